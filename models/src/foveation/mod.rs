@@ -1,0 +1,41 @@
+//! Foveation methods, one file each: (display, acuity, gaze, settings) → [`SamplePlan`](crate::SamplePlan).
+//!
+//! Every method answers two questions. [`Method::plan`] says exactly which samples are drawn for one
+//! image, in whole numbers; [`Method::estimate`] says how many it needs in closed form, where pixel
+//! counts may be fractions, which is what papers print and what a display that does not exist yet
+//! can be planned with. [`ideal_samples`] is the floor both are compared with.
+//!
+//! ```
+//! use foveasim_models::foveation::{Method, Request};
+//! use foveasim_models::presets;
+//!
+//! let display = presets::display("lg-w2363d")?;
+//! let method: Method = "layers:3".parse()?;
+//! let plan = method.plan(&Request::ahead(display.primary()))?;
+//! assert!(plan.count().ratio() > 8.0);
+//! # Ok::<(), foveasim_models::ModelError>(())
+//! ```
+
+mod cover;
+mod design;
+mod estimate;
+mod floor;
+mod lattice;
+mod layers;
+mod method;
+mod optimise;
+mod prepared;
+mod quadrature;
+mod request;
+mod screen;
+mod settings;
+
+pub use cover::Coverage;
+pub use design::{LayerDesign, LayerSpec};
+pub use estimate::{Estimate, PassEstimate};
+pub use floor::{FloorDensity, IDEAL_RELATIVE_ERROR, ideal_samples};
+pub use method::Method;
+pub use prepared::Prepared;
+pub use request::Request;
+pub use screen::Screen;
+pub use settings::{Blending, LayersSettings, MAX_LAYERS, Weights};

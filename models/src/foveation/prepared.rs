@@ -1,0 +1,89 @@
+use super::{LayerDesign, Method, Request, Screen, layers, request};
+use crate::{GazeDirection, ModelError, SamplePlan};
+
+/// A method fitted to one image, acuity and margin. What does not depend on the gaze is done once, so
+/// that a plan for another gaze, as every frame of a replay needs one, costs little.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Prepared {
+    method: Method,
+    request: Request,
+    /// The radii, for layers.
+    design: Option<LayerDesign>,
+}
+
+impl Method {
+    /// Does what does not depend on the gaze of `request`.
+    ///
+    /// # Errors
+    /// If the gaze is not finite or the margin is not from 0 to 90 degrees.
+    pub fn prepare(&self, request: &Request) -> Result<Prepared, ModelError> {
+        request.check()?;
+        let design = match self {
+            Self::Full => None,
+            Self::Layers(settings) => {
+                let screen = Screen::from(&request.viewport);
+                Some(settings.design(&screen, request.acuity, request.margin_deg)?)
+            }
+        };
+        Ok(Prepared {
+            method: *self,
+            request: request.clone(),
+            design,
+        })
+    }
+
+    /// Which samples are drawn for one image: [`Method::prepare`] and [`Prepared::plan`] in one.
+    ///
+    /// # Errors
+    /// If the gaze is not finite or the margin is not from 0 to 90 degrees.
+    pub fn plan(&self, request: &Request) -> Result<SamplePlan, ModelError> {
+        self.prepare(request)?.plan(request.gaze)
+    }
+}
+
+impl Prepared {
+    /// Which samples are drawn for one image with this gaze (eye frame).
+    ///
+    /// # Errors
+    /// If the gaze is not finite.
+    pub fn plan(&self, gaze: GazeDirection) -> Result<SamplePlan, ModelError> {
+        request::check(gaze, self.request.margin_deg)?;
+        let request = Request {
+            gaze,
+            ..self.request.clone()
+        };
+        Ok(match (&self.method, &self.design) {
+            (Method::Layers(settings), Some(design)) => layers::plan(settings, design, &request),
+            _ => SamplePlan::full(request.eye, request.viewport.size),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::presets;
+
+    #[test]
+    fn one_preparation_serves_every_gaze() {
+        let display = presets::display("quest-pro").unwrap();
+        let ahead = Request::ahead(display.primary());
+        for text in ["full", "layers:1", "layers:3", "layers:4:strict"] {
+            let method: Method = text.parse().unwrap();
+            let prepared = method.prepare(&ahead).unwrap();
+            for (azimuth, elevation) in [(0.0, 0.0), (-30.0, 12.0), (80.0, 0.0), (170.0, -20.0)] {
+                let gaze = GazeDirection::new(azimuth, elevation);
+                let request = Request {
+                    gaze,
+                    ..ahead.clone()
+                };
+                assert_eq!(
+                    prepared.plan(gaze),
+                    method.plan(&request),
+                    "{text} {gaze:?}"
+                );
+            }
+            assert!(prepared.plan(GazeDirection::new(f64::NAN, 0.0)).is_err());
+        }
+    }
+}

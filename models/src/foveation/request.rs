@@ -1,0 +1,49 @@
+use crate::error::in_range;
+use crate::{Acuity, Eye, EyePanel, GazeDirection, ModelError, Viewport};
+
+/// What a method plans one image for.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Request {
+    /// Whose image it is.
+    pub eye: Eye,
+    /// The image: pixels and edges.
+    pub viewport: Viewport,
+    /// How sharply the viewer sees.
+    pub acuity: Acuity,
+    /// Where the sharpest part belongs, in the eye's own frame.
+    pub gaze: GazeDirection,
+    /// How far the eye may look away from `gaze` without seeing the difference: tracking error and
+    /// lag \[deg\].
+    pub margin_deg: f64,
+}
+
+impl Request {
+    /// For a panel's image with gaze straight ahead of the head, acuity slope A and no margin.
+    pub fn ahead(panel: &EyePanel) -> Self {
+        Self {
+            eye: panel.eye,
+            viewport: panel.viewport,
+            acuity: Acuity::default(),
+            gaze: panel.ahead(),
+            margin_deg: 0.0,
+        }
+    }
+
+    /// Checks what the types cannot: a finite gaze and a margin from 0 to 90 degrees.
+    pub(super) fn check(&self) -> Result<(), ModelError> {
+        check(self.gaze, self.margin_deg)
+    }
+}
+
+/// Checks a finite gaze and a margin from 0 to 90 degrees.
+pub(super) fn check(gaze: GazeDirection, margin_deg: f64) -> Result<(), ModelError> {
+    in_range("gaze azimuth [deg]", gaze.azimuth_deg, -360.0..=360.0)?;
+    in_range("gaze elevation [deg]", gaze.elevation_deg, -90.0..=90.0)?;
+    margin(margin_deg)?;
+    Ok(())
+}
+
+/// Checks a margin.
+pub(super) fn margin(margin_deg: f64) -> Result<f64, ModelError> {
+    in_range("margin [deg]", margin_deg, 0.0..=90.0)
+}

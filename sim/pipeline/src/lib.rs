@@ -1,0 +1,48 @@
+//! The gaze-to-photon chain as a discrete-event simulation in whole nanoseconds.
+//!
+//! ```text
+//!            exposure grid            host frames                 vblank grid
+//!                 │                        │                           │
+//!  truth ─▶ [exposure│processing] ─▶ gaze ─▶ [ render ] ─▶ flip ─▶ [ scan-out row by row ] ─▶ photons
+//!                                          ▲     ▲                 1 frame, or 2 when it tears   ▲
+//!                            pose ─ predict ┘     └ FrameCost            PixelResponse, Emission ┘
+//! ```
+//!
+//! [`Pipeline::run`] plays a [`Setup`] and pushes what happens into a [`Sink`]: gaze samples as they
+//! are delivered, frames as they are finished ([`Rendered`]: what each one knew), scans as they
+//! complete ([`Displayed`]: which frame lit which rows, when). Nothing is drawn here and no clock is
+//! read: a frame's rendering time comes from [`FrameCost`](foveasim_models::FrameCost).
+//!
+//! Memory does not grow with the length of a run; the sink decides what to keep ([`Recorder`] keeps
+//! all). The engine is single-threaded: run many in parallel, each with its own phases.
+//!
+//! # Simplifications
+//!
+//! A gaze sample reports the truth at the middle of its exposure. Head poses arrive at the host at
+//! their own time stamps. Samples are delivered in the order in which they were exposed. One frame is
+//! rendered at a time, and there is no internal buffering in the display.
+
+mod calendar;
+mod cursor;
+mod displayed;
+mod gaze_feed;
+mod interval;
+mod pipeline;
+mod pose_feed;
+mod rendered;
+mod setup;
+mod sink;
+mod stages;
+
+pub use calendar::Calendar;
+pub use cursor::Cursor;
+pub use displayed::{Displayed, Segment, Shown};
+pub use interval::Interval;
+pub use pipeline::{Pipeline, RunCounts};
+pub use rendered::{GazeStamp, PoseStamp, Rendered};
+pub use setup::{GazeInput, Phases, Setup, SyncMode};
+pub use sink::{Recorder, Sink};
+pub use stages::{STAGES, Stage, StageBounds, Stages};
+
+#[cfg(test)]
+mod tests;

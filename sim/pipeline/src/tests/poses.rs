@@ -1,0 +1,69 @@
+//! What becomes of head poses on their way into frames.
+
+use foveasim_models::{
+    Emission, FixedCost, Nanos, Pose, PosePredictor, PoseSeries, Provenance, Sample, Series,
+};
+use glam::{DQuat, DVec3};
+
+use super::{ms, panel, record, tracker};
+use crate::*;
+
+/// A head that moves 1 m/s to the right, with samples at these times [ms]; `false`: a missing one.
+fn walk(samples: &[(i64, bool)]) -> PoseSeries {
+    let sample = |&(t, there): &(i64, bool)| Sample {
+        t: ms(t),
+        value: there.then(|| Pose::new(DVec3::X * (t as f64 / 1e3), DQuat::IDENTITY)),
+    };
+    Series::new(samples.iter().map(sample).collect(), Provenance::Truth).unwrap()
+}
+
+/// How far each frame's pose is ahead of the newest sample [mm], by the frame's start [ms]: frames
+/// start every 10 ms and their middle row is lit 10 + 4.5 + 3 = 17.5 ms later.
+fn ahead(poses: &PoseSeries, end: i64) -> Vec<(i64, f64)> {
+    let (scan, response) = panel(Emission::Rolling);
+    let tracker = tracker([1_000_000; 2]);
+    let cost = FixedCost(ms(4));
+    let mut setup = Setup::new(scan, response, &tracker, SyncMode::Vsync, &cost);
+    setup.pose = Some(poses);
+    setup.predictor = PosePredictor::Linear;
+    let ahead = |f: &Rendered| {
+        let stamp = f.pose?;
+        assert_eq!(stamp.predicted_for, f.start + Nanos(17_500_000));
+        let newest = stamp.sampled.as_ms();
+        let mm = stamp.pose.position.x * 1e3 - newest;
+        Some((f.start.0 / 1_000_000, (mm * 1e6).round() / 1e6))
+    };
+    let frames = record(&setup, ms(end)).rendered;
+    frames.iter().filter_map(ahead).collect()
+}
+
+#[test]
+fn poses_are_not_extrapolated_through_a_hole() {
+    // Every 10 ms until 20 ms and again from 3 s on.
+    let times: Vec<_> = (0..=2).chain(300..=302).map(|i| (i * 10, true)).collect();
+    for (start, mm) in ahead(&walk(&times), 3025) {
+        let want = match start {
+            0 | 3000 => 0.0, // one sample alone has no velocity
+            10 | 20 | 3010 | 3020 => 17.5,
+            // Going on for as long as a hole may last (75 ms), and held after that.
+            30..=90 => (start - 20) as f64 + 17.5,
+            _ => 0.0,
+        };
+        assert_eq!(mm, want, "frame at {start} ms");
+    }
+}
+
+#[test]
+fn poses_are_held_through_a_loss() {
+    let times: Vec<_> = (0..8).map(|i| (i * 10, i != 3 && i != 4)).collect();
+    let want = [0.0, 17.5, 17.5, 0.0, 0.0, 0.0, 17.5, 17.5];
+    let got: Vec<_> = ahead(&walk(&times), 75).into_iter().map(|f| f.1).collect();
+    assert_eq!(got, want);
+}
+
+#[test]
+fn poses_at_equal_times_keep_their_velocity() {
+    let times = [0, 10, 10, 20, 20, 20, 30].map(|t| (t, true));
+    let got: Vec<_> = ahead(&walk(&times), 35).into_iter().map(|f| f.1).collect();
+    assert_eq!(got, [0.0, 17.5, 17.5, 17.5]);
+}

@@ -1,0 +1,75 @@
+/// How a surface answers light: a closed list, so that a renderer has one kernel for each.
+#[derive(Debug, Clone, PartialEq)]
+#[non_exhaustive]
+pub enum Material {
+    /// One colour, whatever the light: for tests and markers. Linear RGB.
+    Unlit([f32; 3]),
+    /// Rock, grass and snow by height and slope.
+    Terrain(Terrain),
+    /// A two-coloured surface from diffuse to mirror-like.
+    Surface(Surface),
+}
+
+/// Procedural ground: bands of grass, rock and snow broken up by noise.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Terrain {
+    /// Seed of the noise.
+    pub seed: u32,
+    /// Octaves of noise evaluated where the pixel footprint can show them.
+    pub octaves: u32,
+    /// Height above which snow lies \[m\].
+    pub snow_line_m: f32,
+}
+
+/// A lit surface (diffuse plus one microfacet lobe plus the reflected sky).
+#[derive(Debug, Clone, PartialEq)]
+pub struct Surface {
+    /// The two colours of the pattern, linear RGB.
+    pub albedo: [[f32; 3]; 2],
+    /// Where which colour is.
+    pub pattern: Pattern,
+    /// Pattern periods per unit of object space or of the texture coordinates.
+    pub frequency: f32,
+    /// Microfacet roughness α (GGX), 0.02 to 1.
+    pub roughness: f32,
+    /// Reflectance at normal incidence, 0 to 1.
+    pub f0: f32,
+    /// Share of the mirrored sky in what is reflected, 0 (none) to 1.
+    pub environment: f32,
+    /// Seed of the pattern's noise.
+    pub seed: u32,
+}
+
+/// Where the second colour of a [`Surface`] shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Pattern {
+    /// Nowhere.
+    Plain,
+    /// In every other square of the texture coordinates.
+    Checker,
+    /// In smooth stripes along the first texture coordinate.
+    Stripes,
+    /// In veins: noise folded about its middle.
+    Marble,
+    /// In patches of noise.
+    Patches,
+}
+
+impl Material {
+    /// Whether every number is finite and in its range.
+    pub(crate) fn is_valid(&self) -> bool {
+        let colour = |c: &[f32; 3]| c.iter().all(|v| v.is_finite() && *v >= 0.0);
+        match self {
+            Self::Unlit(c) => colour(c),
+            Self::Terrain(t) => t.octaves <= 16 && t.snow_line_m.is_finite(),
+            Self::Surface(s) => {
+                s.albedo.iter().all(colour)
+                    && (0.0..=1e4).contains(&s.frequency)
+                    && (0.02..=1.0).contains(&s.roughness)
+                    && (0.0..=1.0).contains(&s.f0)
+                    && (0.0..=1.0).contains(&s.environment)
+            }
+        }
+    }
+}

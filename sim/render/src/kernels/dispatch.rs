@@ -1,0 +1,36 @@
+use fearless_simd as fs;
+
+use crate::Simd;
+
+/// A piece of work written once for every vector level. `run` must be `#[inline(always)]`, so that
+/// it is compiled for the instructions of its caller.
+pub(crate) trait Kernel {
+    type Output;
+    fn run<S: fs::Simd>(self, simd: S) -> Self::Output;
+}
+
+/// Runs `kernel` at the level asked for, decided at run time.
+///
+/// Two levels are compiled, not all that the SIMD crate has: kernels are eight lanes wide, which AVX2
+/// (and NEON, in halves) serves whole, and the fallback is correct everywhere.
+pub(crate) fn dispatch<K: Kernel>(choice: Simd, kernel: K) -> K::Output {
+    if choice == Simd::Auto {
+        #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+        if let Some(simd) = fs::Level::new().as_avx2() {
+            return at(simd, kernel);
+        }
+        #[cfg(target_arch = "aarch64")]
+        if let Some(simd) = fs::Level::new().as_neon() {
+            return at(simd, kernel);
+        }
+    }
+    at(fs::Fallback::new(), kernel)
+}
+
+fn at<S: fs::Simd, K: Kernel>(simd: S, kernel: K) -> K::Output {
+    fs::Simd::vectorize(
+        simd,
+        #[inline(always)]
+        || kernel.run(simd),
+    )
+}

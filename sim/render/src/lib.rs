@@ -1,0 +1,38 @@
+//! The reference renderer: any sample plan of any scene on the CPU, with exact counts of the work.
+//!
+//! ```text
+//! scene + view + pass ─► vertices ─► set-up ─► bins ─► tile: visibility ─► tile: shading ─► pass image
+//!                        (once each)  (clip, cull)     (4×2 blocks)        (8 samples)         │
+//!                                                   image ◄──────────── resolve ◄──────────────┘
+//! ```
+//!
+//! * [`render`] draws a frame; [`Frame`] holds the image, the passes it was made of and their [`Work`].
+//! * Coverage is decided in integers on vertices snapped to 1/256 of a sample, with the top-left rule:
+//!   triangles that share an edge cover each sample along it exactly once.
+//! * Depth is 1/w in single precision, larger is nearer; of equal depths the triangle that comes
+//!   first in the scene wins.
+//! * Each visible sample is shaded once, after visibility is known.
+//! * The same input gives the same bytes for any number of threads and any vector width: kernels use
+//!   only + − × ÷ √, comparison and selection, and the scalar level runs the same source.
+//!
+//! # Simplifications
+//!
+//! Still views and affine maps only; one visibility sample per shading sample; every pass is drawn
+//! afresh, whatever its cadence.
+//!
+//! [`Work`]: foveasim_models::Work
+
+mod error;
+mod frame;
+mod kernels;
+mod options;
+mod pass;
+mod project;
+mod raster;
+mod resolve;
+mod tile;
+
+pub use error::RenderError;
+pub use frame::{Frame, render};
+pub use options::{RenderOptions, Simd};
+pub use pass::{Surfel, visibility};

@@ -1,0 +1,135 @@
+use foveasim_models::{Affine, Lattice, Map, Pass};
+use glam::UVec2;
+
+/// Samples along each side of a tile: depth and identity of one fit the first-level cache.
+pub(crate) const TILE: u32 = 64;
+/// Samples of a tile.
+pub(crate) const TILE_SAMPLES: usize = (TILE * TILE) as usize;
+/// Samples are kept in blocks of 4 × 2: eight lanes, close together in both directions.
+pub(crate) const BLOCK: [u32; 2] = [4, 2];
+/// Blocks along a row of blocks.
+pub(crate) const BLOCKS_ACROSS: u32 = TILE / BLOCK[0];
+
+/// A square of samples of one pass, and where they lie on the display: what every kind of visibility
+/// and all shading consume. Which kind of map it is, is asked once per tile, not per sample.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) struct SampleTile {
+    /// Lattice index of the first sample.
+    pub(crate) origin: UVec2,
+    /// Samples across and down, at most [`TILE`]; fewer at the lattice's end.
+    pub(crate) size: UVec2,
+    /// Lattice position to display pixels.
+    pub(crate) map: Map,
+}
+
+impl SampleTile {
+    /// The tile at column `x` and row `y` of tiles of a pass.
+    pub(crate) fn of(pass: &Pass, x: u32, y: u32) -> Self {
+        let Lattice::Grid(grid) = pass.lattice else {
+            unreachable!("only grids pass the checks")
+        };
+        let origin = UVec2::new(x, y) * TILE;
+        Self {
+            origin,
+            size: (grid - origin).min(UVec2::splat(TILE)),
+            map: pass.map,
+        }
+    }
+
+    /// The map of a tile whose samples lie evenly.
+    pub(crate) fn affine(&self) -> Affine {
+        match self.map {
+            Map::Affine(map) => map,
+            other => unreachable!("no kernel for {other:?}"),
+        }
+    }
+}
+
+/// Place of sample (x, y) in a tile's buffers.
+#[cfg(test)]
+pub(crate) fn index_of(x: u32, y: u32) -> usize {
+    let block = (y / BLOCK[1]) * BLOCKS_ACROSS + x / BLOCK[0];
+    (block * 8 + (y % BLOCK[1]) * BLOCK[0] + x % BLOCK[0]) as usize
+}
+
+/// Sample (x, y) at a place in a tile's buffers.
+#[inline(always)]
+pub(crate) fn position_of(index: usize) -> [u32; 2] {
+    let (block, lane) = (index as u32 / 8, index as u32 % 8);
+    [
+        block % BLOCKS_ACROSS * BLOCK[0] + lane % BLOCK[0],
+        block / BLOCKS_ACROSS * BLOCK[1] + lane / BLOCK[0],
+    ]
+}
+
+/// What is visible at each sample of a tile.
+#[derive(Debug)]
+pub(crate) struct TileBuffers {
+    /// 1/w of the nearest triangle so far [1/m]; 0 where there is none.
+    pub(crate) depth: Vec<f32>,
+    /// One more than its place in the tile's bin; 0 where there is none.
+    pub(crate) slot: Vec<u32>,
+    /// For each block, the lanes that are samples of the lattice.
+    pub(crate) valid: Vec<u8>,
+}
+
+impl TileBuffers {
+    pub(crate) fn new() -> Self {
+        Self {
+            depth: vec![0.0; TILE_SAMPLES],
+            slot: vec![0; TILE_SAMPLES],
+            valid: vec![0xff; TILE_SAMPLES / 8],
+        }
+    }
+
+    /// Empties the buffers for `tile`.
+    pub(crate) fn clear(&mut self, tile: &SampleTile) {
+        self.depth.fill(0.0);
+        self.slot.fill(0);
+        self.valid.fill(0xff);
+        if tile.size != UVec2::splat(TILE) {
+            for (block, valid) in self.valid.iter_mut().enumerate() {
+                let inside = |lane: usize| {
+                    let [x, y] = position_of(block * 8 + lane);
+                    x < tile.size.x && y < tile.size.y
+                };
+                *valid = (0..8).map(|lane| u8::from(inside(lane)) << lane).sum();
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use foveasim_models::{Eye, SamplePlan};
+    use glam::DVec2;
+
+    use super::*;
+
+    #[test]
+    fn tiles_say_where_their_samples_are() {
+        let mut pass = SamplePlan::full(Eye::Cyclopean, UVec2::new(100, 70))
+            .passes
+            .remove(0);
+        let map = Affine {
+            origin: DVec2::new(10.0, -4.0),
+            scale: DVec2::splat(2.5),
+        };
+        pass.map = Map::Affine(map);
+        let tile = SampleTile::of(&pass, 1, 1);
+        assert_eq!(
+            (tile.origin, tile.size),
+            (UVec2::new(64, 64), UVec2::new(36, 6))
+        );
+        assert_eq!((tile.map, tile.affine()), (pass.map, map));
+        assert_eq!(SampleTile::of(&pass, 0, 0).size, UVec2::splat(TILE));
+    }
+
+    #[test]
+    fn block_order_is_a_bijection() {
+        for index in 0..TILE_SAMPLES {
+            let [x, y] = position_of(index);
+            assert_eq!(index_of(x, y), index);
+        }
+    }
+}

@@ -1,0 +1,36 @@
+//! Studies: where models, traces, pipeline, renderer, metrics and reports meet.
+//!
+//! * [`Sweep`]: sample counts over displays, methods, acuity, gaze and margins;
+//! * [`LatencyStudy`]: gaze-to-photon time, simulated and bounded;
+//! * [`replay()`]: a recording, frame by displayed frame;
+//! * [`FrameStudy`]: one frame by any method beside its reference;
+//! * [`Scenario`] and [`run()`]: all of it, in one report.
+
+mod frame;
+mod latency;
+mod numbers;
+mod recording;
+mod replay;
+mod run;
+mod scenario;
+mod sweep;
+
+pub use frame::{FrameError, FrameOutcome, FrameStudy, Shot};
+pub use latency::{
+    Band, Histogram, LatencyError, LatencyResult, LatencySample, LatencyStudy, MAX_RUNS,
+    QUANTITIES, Quantity, RunStart,
+};
+pub use numbers::parse_numbers;
+pub use recording::recording_table;
+pub use replay::{
+    Difference, GazeState, Golden, REPLAY_COLUMNS, Replay, ReplayError, ReplayFrame, ReplayOptions,
+    ReplaySummary, Spread, replay,
+};
+pub use run::{MOMENT_PICTURES, MethodSaving, Moment, PlanCost, Run, RunError, Savings, run};
+pub use scenario::{
+    GazeSource, MapGrid, RenderTime, Scenario, ScenarioError, ScenarioSpec, cost, display,
+    read_text, tracker,
+};
+pub use sweep::{
+    DensityAt, GazeAt, Resolution, SWEEP_COLUMNS, Sweep, SweepDisplay, SweepEye, SweepRow,
+};

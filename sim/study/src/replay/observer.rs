@@ -1,0 +1,144 @@
+use std::ops::ControlFlow;
+
+use foveasim_models::{
+    Display, EyePanel, GazeDirection, GazeMode, GazeSeries, Interpolate, Nanos, Pose, Provenance,
+    Series,
+};
+use foveasim_pipeline::{Cursor, Displayed, Rendered, Setup, Sink};
+
+use super::{GazeState, ReplayFrame};
+
+/// Compares every scan with what was true when it gave light.
+#[derive(Debug)]
+pub(super) struct Observer<'a> {
+    panel: &'a EyePanel,
+    mode: GazeMode,
+    gaze: Option<Truth<'a, GazeDirection>>,
+    pose: Option<Truth<'a, Pose>>,
+    fresh: Nanos,
+    end: Nanos,
+    frames: Vec<ReplayFrame>,
+    dark_scans: u64,
+}
+
+/// What was so at a time, from a recording of the truth or of a tracker that reports it later.
+#[derive(Debug)]
+struct Truth<'a, T> {
+    cursor: Cursor<'a, T>,
+    delay: Nanos,
+    max_gap: Nanos,
+}
+
+impl<'a, T: Interpolate> Truth<'a, T> {
+    fn new(series: &'a Series<T>, max_gap: Nanos) -> Self {
+        let delay = match series.provenance() {
+            Provenance::Truth => Nanos::ZERO,
+            Provenance::TrackerOutput { delay } => delay,
+        };
+        Self {
+            cursor: Cursor::new(series),
+            delay,
+            max_gap,
+        }
+    }
+
+    fn at(&mut self, t: Nanos) -> Option<T> {
+        self.cursor.at(t + self.delay, self.max_gap)
+    }
+}
+
+impl<'a> Observer<'a> {
+    /// Compares with `gaze` and with the poses of `setup`; frames that start with gaze older than
+    /// `fresh` hold it, and rows lit after `end` are not looked at.
+    pub(super) fn new(
+        display: &'a Display,
+        setup: &Setup<'a>,
+        mode: GazeMode,
+        gaze: Option<&'a GazeSeries>,
+        fresh: Nanos,
+        end: Nanos,
+    ) -> Self {
+        Self {
+            panel: display.primary(),
+            mode,
+            gaze: gaze.map(|series| Truth::new(series, setup.max_gap)),
+            pose: setup.pose.map(|series| Truth::new(series, setup.max_gap)),
+            fresh,
+            end,
+            frames: Vec::new(),
+            dark_scans: 0,
+        }
+    }
+
+    /// The frames seen, and how many scans showed none.
+    pub(super) fn into_frames(self) -> (Vec<ReplayFrame>, u64) {
+        (self.frames, self.dark_scans)
+    }
+
+    fn fovea(&self, frame: &Rendered) -> (GazeDirection, GazeState) {
+        match (self.mode, frame.gaze) {
+            (GazeMode::Fixed, _) => (GazeDirection::AHEAD, GazeState::Fixed),
+            (GazeMode::Tracked, None) => (GazeDirection::AHEAD, GazeState::Lost),
+            (GazeMode::Tracked, Some(g)) if frame.start - g.middle() > self.fresh => {
+                (g.value, GazeState::Held)
+            }
+            (GazeMode::Tracked, Some(g)) => (g.value, GazeState::Tracked),
+        }
+    }
+
+    /// The panel row that `gaze` falls on, or the nearest one.
+    fn row_of(&self, gaze: GazeDirection, rows: u32) -> u32 {
+        let in_eye = self.panel.in_eye(gaze).vector();
+        let last = f64::from(rows - 1);
+        let height = f64::from(self.panel.viewport.size.y);
+        let row = match self.panel.viewport.project(in_eye) {
+            Some(px) => px.y / height * f64::from(rows),
+            None if in_eye.y > 0.0 => 0.0,
+            None => last,
+        };
+        row.floor().clamp(0.0, last) as u32
+    }
+
+    fn head_error_deg(&mut self, scan: &Displayed, middle: u32) -> Option<f64> {
+        let drawn = scan.at_row(middle)?.frame.pose?.pose;
+        let truth = self.pose.as_mut()?.at(scan.lit(middle))?;
+        Some(drawn.angle_to_deg(truth))
+    }
+
+    fn look(&mut self, scan: &Displayed) -> Option<ReplayFrame> {
+        let rows = scan.clock.rows;
+        let middle = rows / 2;
+        let looked_at = self.gaze.as_mut().and_then(|g| g.at(scan.lit(middle)));
+        let drawn = scan.at_row(middle).map(|shown| self.fovea(&shown.frame).0);
+        let gaze_row = self.row_of(looked_at.or(drawn)?, rows);
+        let shown = scan.at_row(gaze_row)?;
+        let (fovea, state) = self.fovea(&shown.frame);
+        let lit = scan.lit(gaze_row);
+        let id = |row| scan.at_row(row).map(|shown| shown.frame.id);
+        Some(ReplayFrame {
+            scan: scan.scan,
+            vblank: scan.vblank,
+            frame: shown.frame,
+            flipped: shown.flipped,
+            frame_ids: [id(0), id(rows - 1)],
+            gaze_row,
+            scanned: scan.scanned(gaze_row),
+            lit,
+            fovea,
+            state,
+            true_gaze: self.gaze.as_mut().and_then(|g| g.at(lit)),
+            head_error_deg: self.head_error_deg(scan, middle),
+        })
+    }
+}
+
+impl Sink for Observer<'_> {
+    fn displayed(&mut self, scan: &Displayed) -> ControlFlow<()> {
+        match self.look(scan) {
+            None => self.dark_scans += 1,
+            Some(frame) if frame.lit <= self.end => self.frames.push(frame),
+            Some(_) => return ControlFlow::Break(()),
+        }
+        ControlFlow::Continue(())
+    }
+}

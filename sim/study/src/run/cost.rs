@@ -1,0 +1,62 @@
+use foveasim_models::foveation::{Method, Prepared, Request};
+use foveasim_models::{CostProfile, EyePanel, FrameCost, FrameInput, GazeMode, ModelError, Nanos};
+
+use crate::Scenario;
+
+/// Rendering time from a cost profile on each frame's own samples: the layers that are due in it, cut
+/// off at the display's edge as its gaze demands.
+#[derive(Debug, Clone)]
+pub struct PlanCost {
+    full: bool,
+    profile: CostProfile,
+    gaze_mode: GazeMode,
+    eyes: Vec<(EyePanel, Prepared)>,
+}
+
+impl PlanCost {
+    /// The cost of `method` in a scenario.
+    ///
+    /// # Errors
+    /// If the method cannot be planned on the display.
+    pub fn new(scenario: &Scenario, method: &Method) -> Result<Self, ModelError> {
+        let prepare = |panel: &EyePanel| {
+            let request = Request {
+                acuity: scenario.acuity,
+                margin_deg: scenario.spec.margin_deg,
+                ..Request::ahead(panel)
+            };
+            Ok((panel.clone(), method.prepare(&request)?))
+        };
+        Ok(Self {
+            full: *method == Method::Full,
+            profile: scenario.cost.clone(),
+            gaze_mode: scenario.gaze_mode,
+            eyes: scenario
+                .display
+                .eyes
+                .iter()
+                .map(prepare)
+                .collect::<Result<_, ModelError>>()?,
+        })
+    }
+}
+
+impl FrameCost for PlanCost {
+    fn duration(&self, frame: &FrameInput) -> Nanos {
+        let (mut samples, mut pixels) = (0, 0);
+        for (panel, prepared) in &self.eyes {
+            let gaze = match (self.gaze_mode, frame.gaze) {
+                (GazeMode::Tracked, Some(gaze)) => panel.in_eye(gaze),
+                _ => panel.ahead(),
+            };
+            let plan = prepared.plan(gaze).expect("recorded gaze is finite");
+            samples += plan.samples_in_frame(frame.id);
+            pixels += if self.full {
+                0
+            } else {
+                plan.count().display_pixels
+            };
+        }
+        self.profile.time(samples as f64, pixels as f64)
+    }
+}

@@ -1,0 +1,122 @@
+use foveasim_models::ModelError;
+use foveasim_models::foveation::Method;
+use foveasim_reports::{Heatmap, Table};
+
+use crate::{GazeAt, Scenario, Sweep, SweepDisplay, SweepRow};
+
+/// What the methods save on the scenario's display, and what the featured one saves on others.
+#[derive(Debug, Clone)]
+pub struct Savings {
+    /// Each method on the scenario's display, in the scenario's order.
+    pub methods: Vec<MethodSaving>,
+    /// The same with all columns.
+    pub table: Table,
+    /// The featured method over field of view × pixels per degree: rows of the map.
+    pub map: Vec<SweepRow>,
+    fov: Vec<f64>,
+    ppd: Vec<f64>,
+    featured: Method,
+}
+
+/// What one method needs on the scenario's display, gaze at the centre, all eyes.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MethodSaving {
+    /// The method.
+    pub method: Method,
+    /// Samples when every layer is drawn.
+    pub samples: f64,
+    /// Samples per frame on average, each layer at its own cadence.
+    pub samples_staggered: f64,
+    /// Display pixels over samples.
+    pub sample_ratio: f64,
+    /// Display pixels over staggered samples.
+    pub sample_ratio_staggered: f64,
+    /// Display pixels over the samples of the continuous falloff.
+    pub ideal_ratio: f64,
+    /// Frame time that the cost profile predicts, staggered \[ms\].
+    pub predicted_ms: f64,
+    /// Predicted time of `full` over this method's.
+    pub predicted_speedup: f64,
+    /// Whether acuity is used beyond where it was measured.
+    pub extrapolated: bool,
+    /// Radii of the first eye's layers \[deg\].
+    pub radii_deg: Vec<f64>,
+}
+
+pub(super) fn savings(scenario: &Scenario) -> Result<Savings, ModelError> {
+    let sweep = |displays, methods| Sweep {
+        displays,
+        acuities: vec![scenario.acuity],
+        gazes: vec![GazeAt::Centre],
+        gaze_mode: scenario.gaze_mode,
+        margins_deg: vec![scenario.spec.margin_deg],
+        methods,
+    };
+    let display = SweepDisplay::from(&scenario.display);
+    let rows = sweep(vec![display], scenario.methods.clone()).run(|_| ())?;
+    let featured = *scenario.featured();
+    let map = sweep(scenario.map.displays.clone(), vec![featured]).run(|_| ())?;
+    let time = |row: &SweepRow| {
+        let resolved = if row.method == Method::Full {
+            0.0
+        } else {
+            row.display_samples
+        };
+        scenario
+            .cost
+            .time(row.method_samples_staggered, resolved)
+            .as_ms()
+    };
+    let full = rows
+        .iter()
+        .find(|r| r.method == Method::Full)
+        .map_or(f64::NAN, time);
+    let methods = rows.iter().map(|row| MethodSaving {
+        method: row.method,
+        samples: row.method_samples,
+        samples_staggered: row.method_samples_staggered,
+        sample_ratio: row.sample_ratio(),
+        sample_ratio_staggered: row.sample_ratio_staggered(),
+        ideal_ratio: row.ideal_ratio(),
+        predicted_ms: time(row),
+        predicted_speedup: full / time(row),
+        extrapolated: row.extrapolated,
+        radii_deg: row
+            .layers
+            .passes
+            .iter()
+            .filter_map(|p| p.radius_deg)
+            .collect(),
+    });
+    Ok(Savings {
+        methods: methods.collect(),
+        table: SweepRow::table(&rows),
+        map,
+        fov: scenario.map.fov_deg.clone(),
+        ppd: scenario.map.ppd_centre.clone(),
+        featured,
+    })
+}
+
+impl Savings {
+    /// The method that the report explains in detail.
+    pub fn featured(&self) -> &MethodSaving {
+        let found = self.methods.iter().find(|m| m.method == self.featured);
+        found.expect("the featured method is one of the scenario's")
+    }
+
+    /// The map as a table.
+    pub fn map_table(&self) -> Table {
+        SweepRow::table(&self.map)
+    }
+
+    /// The map as a picture.
+    pub fn heatmap(&self) -> Heatmap {
+        SweepRow::heatmap(
+            &self.map,
+            format!("Times fewer samples with {}", self.featured),
+            self.fov.clone(),
+            ("pixels per degree at the centre", self.ppd.clone()),
+        )
+    }
+}

@@ -1,0 +1,216 @@
+use foveasim_models::foveation::{Estimate, Method};
+use foveasim_models::{Acuity, GazeMode};
+use foveasim_reports::{Cell, ColourScale, HeatCell, Heatmap, Table};
+
+use super::SweepDisplay;
+
+/// One cell of a sweep. Counts are summed over the eyes; what describes layers is the first eye's
+/// (the other's mirrors it).
+#[derive(Debug, Clone, PartialEq)]
+pub struct SweepRow {
+    /// The display.
+    pub display: SweepDisplay,
+    /// The method.
+    pub method: Method,
+    /// The acuity line.
+    pub acuity: Acuity,
+    /// Where the eye looks, in pixels of the first eye's image.
+    pub gaze_px: [f64; 2],
+    /// Whether the layers follow it.
+    pub gaze_mode: GazeMode,
+    /// The angle between the gaze and where the layers are centred \[deg\].
+    pub gaze_error_deg: f64,
+    /// The margin designed for \[deg\].
+    pub margin_deg: f64,
+    /// Pixels.
+    pub display_samples: f64,
+    /// Samples in closed form when every layer is drawn.
+    pub method_samples: f64,
+    /// Samples in closed form per frame on average, each layer at its own cadence.
+    pub method_samples_staggered: f64,
+    /// Samples of the continuous falloff.
+    pub ideal_samples: f64,
+    /// Samples of the plan that is drawn; `None` for a display without whole pixels.
+    pub plan_samples: Option<u64>,
+    /// The first eye's layers.
+    pub layers: Estimate,
+    /// Whether the acuity line is used farther from its centre than where it was measured.
+    pub extrapolated: bool,
+}
+
+impl SweepRow {
+    /// Pixels per sample when every layer is drawn.
+    pub fn sample_ratio(&self) -> f64 {
+        self.display_samples / self.method_samples
+    }
+
+    /// Pixels per sample drawn, each layer at its own cadence.
+    pub fn sample_ratio_staggered(&self) -> f64 {
+        self.display_samples / self.method_samples_staggered
+    }
+
+    /// Pixels per sample of the continuous falloff.
+    pub fn ideal_ratio(&self) -> f64 {
+        self.display_samples / self.ideal_samples
+    }
+
+    /// How many times more samples the method needs than the continuous falloff.
+    pub fn over_ideal(&self) -> f64 {
+        self.method_samples / self.ideal_samples
+    }
+
+    /// Rows as a table; see the column names of [`COLUMNS`].
+    pub fn table(rows: &[Self]) -> Table {
+        let mut table = Table::new(COLUMNS);
+        rows.iter().for_each(|row| table.push(row.cells()));
+        table
+    }
+
+    /// Sample ratios over field of view and another quantity (its name and values): `rows` is the map row
+    /// by row from the first value of that, every field of view in each. Extrapolated cells are hatched.
+    ///
+    /// # Panics
+    /// If there is not one row per cell.
+    pub fn heatmap<'a>(
+        rows: impl IntoIterator<Item = &'a Self>,
+        title: String,
+        fov_deg: Vec<f64>,
+        (y_label, y): (&str, Vec<f64>),
+    ) -> Heatmap {
+        let cell = |row: &Self| HeatCell {
+            value: Some(row.sample_ratio()),
+            extrapolated: row.extrapolated,
+        };
+        let cells: Vec<HeatCell> = rows.into_iter().map(cell).collect();
+        assert_eq!(cells.len(), fov_deg.len() * y.len(), "one row per cell");
+        Heatmap {
+            title,
+            x_label: "horizontal field of view [deg]".into(),
+            x: fov_deg,
+            y_label: y_label.into(),
+            y,
+            value_label: "display pixels per sample".into(),
+            cells,
+            scale: ColourScale::Logarithmic,
+        }
+    }
+
+    fn cells(&self) -> Vec<Cell> {
+        let screen = &self.display.eyes[0].screen;
+        let size = screen.size_px();
+        let (coverage, blending) = match self.method {
+            Method::Layers(s) => (Some(s.coverage.name()), Some(s.blending.name())),
+            _ => (None, None),
+        };
+        let passes = &self.layers.passes;
+        let rates = self.display.refresh.map(|r| {
+            list(
+                passes
+                    .iter()
+                    .map(|p| (r.hz() / f64::from(p.every)).to_string()),
+            )
+        });
+        vec![
+            self.method.to_string().into(),
+            self.display.fov_h_deg.into(),
+            pixels(self, size.x, |v| v.x),
+            pixels(self, size.y, |v| v.y),
+            whole_or(self, self.display_samples),
+            self.method_samples.into(),
+            self.sample_ratio().into(),
+            self.sample_ratio_staggered().into(),
+            self.ideal_ratio().into(),
+            self.display.name.as_str().into(),
+            self.display.eyes.len().into(),
+            (1.0 / foveasim_models::math::to_deg(screen.pixel_tan().x)).into(),
+            (size.x / screen.fov_deg().x).into(),
+            (self.acuity.omega_0_deg() / screen.sharpness_deg()).into(),
+            self.acuity.slope().into(),
+            self.margin_deg.into(),
+            self.gaze_mode.to_string().into(),
+            self.gaze_px[0].into(),
+            self.gaze_px[1].into(),
+            self.gaze_error_deg.into(),
+            yes(self.gaze_error_deg <= self.margin_deg),
+            coverage.into(),
+            blending.into(),
+            self.ideal_samples.into(),
+            self.over_ideal().into(),
+            self.plan_samples.into(),
+            list(passes.iter().filter_map(|p| p.radius_deg).map(rounded)).into(),
+            list(passes.iter().map(|p| rounded(p.scale))).into(),
+            list(passes.iter().map(|p| format!("1/{}", p.every))).into(),
+            rates.into(),
+            yes(self.extrapolated),
+        ]
+    }
+}
+
+/// Columns of [`SweepRow::table`]; the first nine are what scripts rely on.
+///
+/// `width_px` and `height_px` are one eye's; `method_samples` is the closed form (Guenter 2012, Eqs
+/// 2–8), `plan_samples` the whole number that is drawn; `gaze_within_margin` says whether the eye is
+/// still where the design holds; `extrapolated` whether the screen reaches farther from where the
+/// layers are centred than acuity slopes were measured ([`Acuity::MEASURED_TO_DEG`]).
+pub const COLUMNS: [&str; 31] = [
+    "method",
+    "fov_h_deg",
+    "width_px",
+    "height_px",
+    "display_samples",
+    "method_samples",
+    "sample_ratio",
+    "sample_ratio_staggered",
+    "ideal_ratio",
+    "display",
+    "eyes",
+    "ppd_centre",
+    "ppd_mean",
+    "sharpness",
+    "slope",
+    "margin_deg",
+    "gaze_mode",
+    "gaze_x_px",
+    "gaze_y_px",
+    "gaze_error_deg",
+    "gaze_within_margin",
+    "coverage",
+    "blending",
+    "ideal_samples",
+    "over_ideal",
+    "plan_samples",
+    "layer_radii_deg",
+    "layer_scales",
+    "layer_drawn",
+    "layer_rates_hz",
+    "extrapolated",
+];
+
+fn yes(is: bool) -> Cell {
+    if is { "yes" } else { "no" }.into()
+}
+
+/// Values within one cell.
+fn list(values: impl Iterator<Item = String>) -> String {
+    values.collect::<Vec<_>>().join(" ")
+}
+
+fn rounded(value: f64) -> String {
+    format!("{value:.4}")
+}
+
+/// A pixel count: whole where the display has whole pixels.
+fn pixels(row: &SweepRow, fraction: f64, axis: fn(glam::UVec2) -> u32) -> Cell {
+    match row.display.eyes[0].viewport {
+        Some(viewport) => axis(viewport.size).into(),
+        None => fraction.into(),
+    }
+}
+
+/// A count that is whole where the display has whole pixels.
+fn whole_or(row: &SweepRow, count: f64) -> Cell {
+    match row.display.eyes[0].viewport {
+        Some(_) => (count.round() as u64).into(),
+        None => count.into(),
+    }
+}

@@ -1,0 +1,52 @@
+//! Flags that several subcommands share, and how their texts become valid values.
+
+use foveasim_models::{Acuity, Display, Nanos, Tracker};
+
+use super::Failure;
+
+/// A display preset's name, or a path to a TOML file that describes one.
+pub(crate) fn display(text: &str) -> Result<Display, Failure> {
+    Ok(foveasim_study::display(text)?)
+}
+
+/// A tracker preset's name, or a path to a TOML file that describes one.
+pub(crate) fn tracker(text: &str) -> Result<Tracker, Failure> {
+    Ok(foveasim_study::tracker(text)?)
+}
+
+/// An acuity slope by name, quality index or number.
+pub(crate) fn acuity(text: &str) -> Result<Acuity, Failure> {
+    Ok(Acuity::parse(text)?)
+}
+
+/// `WxH` in pixels.
+pub(crate) fn size(text: &str) -> Result<[u32; 2], String> {
+    let sides = text
+        .split_once('x')
+        .and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]));
+    match sides {
+        Some(size @ [1..=65_536, 1..=65_536]) => Ok(size),
+        _ => Err("want WIDTHxHEIGHT in pixels, each from 1 to 65536, as in 1920x1080".into()),
+    }
+}
+
+/// `X,Y`: two finite numbers.
+pub(crate) fn pair(text: &str) -> Result<[f64; 2], String> {
+    let numbers = text
+        .split_once(',')
+        .and_then(|(x, y)| Some([x.trim().parse::<f64>().ok()?, y.trim().parse::<f64>().ok()?]));
+    match numbers {
+        Some(pair) if pair.iter().all(|v| v.is_finite()) => Ok(pair),
+        _ => Err("want two finite numbers X,Y, as in 960,540".into()),
+    }
+}
+
+/// A duration in milliseconds, from 0 to 10,000.
+pub(crate) fn milliseconds(flag: &str, ms: f64) -> Result<Nanos, Failure> {
+    const MAX_MS: f64 = 10_000.0;
+    if !(0.0..=MAX_MS).contains(&ms) {
+        let text = format!("{flag} = {ms}: must be from 0 to {MAX_MS} ms");
+        return Err(Failure::bad_input(text));
+    }
+    Ok(Nanos::from_ms(ms))
+}

@@ -1,0 +1,407 @@
+mod resolution;
+
+use anyhow::{Context as _, anyhow, bail};
+use foveasim_models::foveation::{Method, Screen};
+use foveasim_models::math::to_deg;
+use foveasim_models::{Acuity, GazeMode};
+use foveasim_reports::{Heatmap, Outputs, Table};
+use foveasim_study::{GazeAt, Resolution, Sweep, SweepDisplay, SweepRow, parse_numbers};
+
+use super::context::Format;
+use super::{Context, Failure, options};
+
+/// Savings across displays or fields of view, resolutions, methods, acuity and tracking error.
+///
+/// One row per combination. Without a display, a grid of flat displays is planned: fields of view
+/// against sharpness. Lists are separated by commas; numbers may be ranges FROM..TO:STEP, both ends
+/// included.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  foveasim plan
+  foveasim plan --display lg-w2363d --slope 0.0275 --method layers:3 --format csv
+  foveasim plan --fov 10..130:5 --sharpness foveal --aspect 0.75 --method layers:4 --format csv
+  foveasim plan --display quest-pro,quest-3 --method full,layers:3:strict --margin 0..5:1
+  foveasim plan --fov 90 --ppd centre:40,mean:40 --slope guenter-a,guenter-b,j:22
+  foveasim plan --fov 90 --pixels 3840x2160 --gaze 0,1080 --gaze-mode fixed
+
+Methods: full, layers:N (N from 1 to 16) with settings: strict or blending=paper, paper or
+coverage=exact, weights=half, s2=VALUE; as in layers:3:strict:s2=2.
+
+Columns: method_samples is the closed form and may be a fraction; plan_samples is the whole number
+that is drawn. sample_ratio counts every layer, sample_ratio_staggered those drawn in every second
+frame half. ideal_ratio is a density that falls off continuously: no method with the same acuity and
+margin saves more. extrapolated: the screen reaches farther from the gaze than slopes were measured.
+Where a display has two eyes, samples are those of both, pixels and layers those of one.")]
+pub(crate) struct Args {
+    /// Presets or TOML files [default: a grid of flat displays]
+    #[arg(long, value_name = "NAMES")]
+    display: Option<String>,
+    /// Horizontal fields of view of flat displays in degrees [default: 30..130:20]
+    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
+    fov: Option<String>,
+    /// Pixels per degree, and where: centre:40, mean:40 or min:40
+    #[arg(long, value_name = "WHERE:PPD")]
+    ppd: Option<String>,
+    /// Pixels of flat displays, as in 3840x2160
+    #[arg(long, value_name = "WxH")]
+    pixels: Option<String>,
+    /// Sharpness at the centre: foveal, or a fraction of it [default: 0.25,0.5,foveal]
+    #[arg(long, value_name = "FRACTION", allow_hyphen_values = true)]
+    sharpness: Option<String>,
+    /// Height over width of flat displays [default: 0.5625]
+    #[arg(long, value_name = "RATIO", allow_hyphen_values = true)]
+    aspect: Option<f64>,
+    /// Acuity slopes: guenter-a, guenter-b, a quality index j:12, or numbers
+    #[arg(
+        long,
+        value_name = "SLOPES",
+        default_value = "guenter-a",
+        allow_hyphen_values = true
+    )]
+    slope: String,
+    /// Methods
+    #[arg(
+        long,
+        value_name = "METHODS",
+        default_value = "layers:2,layers:3,layers:4"
+    )]
+    method: String,
+    /// Where the eye looks: centre, or pixels from the top left of the (first eye's) image
+    #[arg(
+        long,
+        value_name = "X,Y",
+        default_value = "centre",
+        allow_hyphen_values = true
+    )]
+    gaze: String,
+    /// Whether layers follow the gaze: tracked or fixed
+    #[arg(long, value_name = "MODE", default_value = "tracked")]
+    gaze_mode: String,
+    /// How far gaze may be off without being noticed, in degrees
+    #[arg(
+        long = "margin-deg",
+        visible_alias = "margin",
+        value_name = "DEGREES",
+        default_value = "0",
+        allow_hyphen_values = true
+    )]
+    margin: String,
+}
+
+/// The most rows of one run.
+const MOST_ROWS: usize = 1_000_000;
+const DEFAULT_FOV: &str = "30..130:20";
+const DEFAULT_SHARPNESS: &str = "0.25,0.5,foveal";
+/// 16:9.
+const DEFAULT_ASPECT: f64 = 0.5625;
+
+/// What people read on a terminal; CSV and JSON have all columns.
+const READABLE: [&str; 13] = [
+    "method",
+    "display",
+    "fov_h_deg",
+    "width_px",
+    "height_px",
+    "ppd_centre",
+    "slope",
+    "margin_deg",
+    "sample_ratio",
+    "sample_ratio_staggered",
+    "ideal_ratio",
+    "layer_radii_deg",
+    "extrapolated",
+];
+
+pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
+    let sweep = args.sweep()?;
+    // An unwritable folder is found before the work, not after.
+    let outputs = ctx.out.is_some().then(|| ctx.outputs("out")).transpose()?;
+    let bar = ctx.progress(sweep.len() as u64, "planning");
+    let rows = sweep.run(|n| bar.inc(n))?;
+    bar.finish_and_clear();
+    let table = SweepRow::table(&rows);
+    if ctx.format == Format::Table {
+        ctx.print_table(&pick(&table, &READABLE))?;
+        ctx.note("All columns: --format csv");
+    } else {
+        ctx.print_table(&table)?;
+    }
+    if let Some(outputs) = outputs {
+        write(outputs, &table, args.heatmaps(&sweep, &rows)?, ctx)?;
+    }
+    Ok(())
+}
+
+/// Everything a folder given with `--out` receives.
+fn write(
+    mut outputs: Outputs,
+    table: &Table,
+    maps: Vec<(String, Heatmap)>,
+    ctx: &Context,
+) -> Result<(), Failure> {
+    outputs.add("plan.csv", table.csv());
+    for (name, map) in maps {
+        outputs.add(name, map.svg());
+    }
+    for path in outputs.commit()? {
+        ctx.note(&format!("wrote {}", path.display()));
+    }
+    Ok(())
+}
+
+/// Some of a table's columns.
+fn pick(table: &Table, columns: &[&str]) -> Table {
+    let places: Vec<usize> = columns
+        .iter()
+        .filter_map(|name| table.columns().iter().position(|c| c == name))
+        .collect();
+    let mut picked = Table::new(places.iter().map(|&i| table.columns()[i].as_str()));
+    for row in table.rows() {
+        picked.push(places.iter().map(|&i| row[i].clone()).collect());
+    }
+    picked
+}
+
+/// The most cells of a picture: more cannot be told apart.
+const MOST_CELLS: usize = 10_000;
+
+impl Args {
+    /// A savings map for each method, where the rows are a grid of fields of view and resolutions.
+    fn heatmaps(&self, sweep: &Sweep, rows: &[SweepRow]) -> anyhow::Result<Vec<(String, Heatmap)>> {
+        let methods = sweep.methods.len();
+        let cells = sweep.displays.len();
+        if self.display.is_some() || rows.len() != cells * methods || cells > MOST_CELLS {
+            return Ok(Vec::new());
+        }
+        let fovs = list("--fov", self.fov.as_deref().unwrap_or(DEFAULT_FOV))?;
+        let heights = cells / fovs.len();
+        // Rows run through fields of view, then resolutions, then methods.
+        let row = |fov: usize, height: usize, method: usize| {
+            &rows[(fov * heights + height) * methods + method]
+        };
+        let density = |row: &SweepRow| 1.0 / to_deg(row.display.eyes[0].screen.pixel_tan().x);
+        let (label, of): (_, fn(&SweepRow) -> f64) = match &self.pixels {
+            Some(_) => ("width [px]", |row| row.display.eyes[0].screen.size_px().x),
+            None => ("pixels per degree at the centre", density),
+        };
+        let map = |method: usize| {
+            let order = (0..heights).flat_map(|h| (0..fovs.len()).map(move |f| (f, h)));
+            let name = sweep.methods[method].to_string();
+            let y = (0..heights)
+                .map(|h| (of(row(0, h, 0)) * 10.0).round() / 10.0)
+                .collect();
+            let map = SweepRow::heatmap(
+                order.map(|(f, h)| row(f, h, method)),
+                format!("Times fewer samples with {name}"),
+                fovs.clone(),
+                (label, y),
+            );
+            (format!("plan-{}.svg", name.replace([':', '='], "-")), map)
+        };
+        Ok((0..methods).map(map).collect())
+    }
+
+    fn sweep(&self) -> Result<Sweep, Failure> {
+        let slopes = self.slope.split(',').map(|s| Acuity::parse(s.trim()));
+        let margins = list("--margin", &self.margin)?;
+        if let Some(bad) = margins.iter().find(|m| !(0.0..=90.0).contains(*m)) {
+            return Err(anyhow!("--margin {bad}: must be from 0 to 90 degrees").into());
+        }
+        let mut sweep = Sweep {
+            displays: Vec::new(),
+            acuities: slopes.collect::<Result<_, _>>().context("--slope")?,
+            gazes: vec![self.gaze()?],
+            gaze_mode: self.gaze_mode.parse::<GazeMode>().context("--gaze-mode")?,
+            margins_deg: margins,
+            methods: Method::parse_list(&self.method).context("--method")?,
+        };
+        let others = sweep.acuities.len() * sweep.margins_deg.len();
+        let others = others.saturating_mul(sweep.methods.len());
+        sweep.displays = match &self.display {
+            Some(names) => self.presets(names)?,
+            None => self.grid(others)?,
+        };
+        check_rows(sweep.len())?;
+        Ok(sweep)
+    }
+
+    fn gaze(&self) -> anyhow::Result<GazeAt> {
+        // Beyond this the direction is the same to the last bit of interest.
+        const FARTHEST_PX: f64 = 1e7;
+        if self.gaze == "centre" {
+            return Ok(GazeAt::Centre);
+        }
+        match options::pair(&self.gaze) {
+            Ok(px) if px.iter().all(|v| v.abs() <= FARTHEST_PX) => Ok(GazeAt::Pixel(px)),
+            _ => bail!(
+                "--gaze {}: want centre, or two numbers X,Y within {FARTHEST_PX} pixels, as in \
+                 960,540",
+                self.gaze
+            ),
+        }
+    }
+
+    fn presets(&self, names: &str) -> Result<Vec<SweepDisplay>, Failure> {
+        let planar = [
+            ("--fov", self.fov.is_some()),
+            ("--ppd", self.ppd.is_some()),
+            ("--pixels", self.pixels.is_some()),
+            ("--sharpness", self.sharpness.is_some()),
+            ("--aspect", self.aspect.is_some()),
+        ];
+        if let Some((flag, _)) = planar.iter().find(|(_, given)| *given) {
+            let text = format!("--display and {flag}: a display has its own; give one of them");
+            return Err(Failure::bad_input(text));
+        }
+        let display = |name: &str| Ok(SweepDisplay::from(&options::display(name.trim())?));
+        names.split(',').map(display).collect()
+    }
+
+    /// Flat displays, every field of view at every resolution; each becomes `rows` rows.
+    fn grid(&self, rows: usize) -> Result<Vec<SweepDisplay>, Failure> {
+        let fovs = list("--fov", self.fov.as_deref().unwrap_or(DEFAULT_FOV))?;
+        for &fov in &fovs {
+            Screen::half_width_tan(fov).context("--fov")?;
+        }
+        let resolutions = self.resolutions(fovs[0])?;
+        check_rows(
+            fovs.len()
+                .saturating_mul(resolutions.len())
+                .saturating_mul(rows),
+        )?;
+        let aspect = self.aspect.unwrap_or(DEFAULT_ASPECT);
+        if !(1e-3..=1e3).contains(&aspect) {
+            return Err(anyhow!("--aspect {aspect}: must be from 0.001 to 1000").into());
+        }
+        let mut displays = Vec::with_capacity(fovs.len() * resolutions.len());
+        for &fov in &fovs {
+            for resolution in &resolutions {
+                let at = || format!("display of {fov} degrees");
+                displays.push(resolution.display(fov, aspect).with_context(at)?);
+            }
+        }
+        Ok(displays)
+    }
+
+    fn resolutions(&self, fov: f64) -> anyhow::Result<Vec<Resolution>> {
+        match (&self.ppd, &self.pixels, &self.sharpness) {
+            (Some(ppd), None, None) => ppd
+                .split(',')
+                .map(|p| resolution::per_degree(p.trim(), fov))
+                .collect(),
+            (None, Some(sizes), None) => {
+                if self.aspect.is_some() {
+                    bail!("--pixels and --aspect: pixels are square, so WxH says the aspect");
+                }
+                let size = |text: &str| options::size(text.trim()).map(Resolution::Pixels);
+                let sizes = sizes
+                    .split(',')
+                    .map(|t| size(t).map_err(|e| anyhow!("--pixels {t}: {e}")));
+                sizes.collect()
+            }
+            (None, None, given) => {
+                let texts = given.as_deref().unwrap_or(DEFAULT_SHARPNESS);
+                texts
+                    .split(',')
+                    .map(|t| resolution::sharpness(t.trim()))
+                    .collect()
+            }
+            _ => bail!("--ppd, --pixels and --sharpness all say how many pixels; give one of them"),
+        }
+    }
+}
+
+fn list(flag: &str, text: &str) -> anyhow::Result<Vec<f64>> {
+    parse_numbers(text).map_err(|e| anyhow!("{flag}: {e}"))
+}
+
+fn check_rows(rows: usize) -> anyhow::Result<()> {
+    if rows > MOST_ROWS {
+        bail!("this would be {rows} rows; at most {MOST_ROWS}: use larger steps");
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use clap::Parser;
+
+    use super::*;
+
+    #[derive(Parser)]
+    struct Cli {
+        #[command(flatten)]
+        args: Args,
+    }
+
+    fn sweep(line: &str) -> Result<Sweep, Failure> {
+        let words = std::iter::once("plan").chain(line.split_whitespace());
+        Cli::try_parse_from(words).unwrap().args.sweep()
+    }
+
+    #[test]
+    fn lists_multiply() {
+        for (line, rows) in [
+            ("", 6 * 3 * 3),
+            ("--display lg-w2363d --slope 0.0275 --method layers:3", 1),
+            (
+                "--fov 10..130:5 --sharpness foveal --aspect 0.75 --method layers:4",
+                25,
+            ),
+            (
+                "--fov 90 --ppd centre:40,mean:40,min:40 --slope guenter-a,j:22 --method full",
+                6,
+            ),
+            (
+                "--fov 90 --pixels 3840x2160 --margin 0..5:1 --gaze -10,2000",
+                6 * 3,
+            ),
+            (
+                "--display quest-pro,dk2 --gaze-mode fixed --method full,layers:3:strict",
+                4,
+            ),
+        ] {
+            assert_eq!(sweep(line).unwrap().len(), rows, "{line}");
+        }
+    }
+
+    #[test]
+    fn bad_flags_are_one_clear_line() {
+        for (line, expect) in [
+            (
+                "--fov 120 --ppd 40",
+                "7939 pixels if meant at the centre, 4800 if meant on average",
+            ),
+            ("--fov 180", "--fov: field of view [deg] = 180"),
+            ("--fov 0", "above 0 and below 180"),
+            ("--fov -5", "above 0 and below 180"),
+            ("--fov 130..10:5", "runs backwards"),
+            ("--fov 10..130:0", "above 0"),
+            ("--fov 1..179:1 --margin 0..89:0.01", "at most 1000000"),
+            ("--slope nan", "--slope"),
+            ("--aspect nan", "--aspect NaN"),
+            ("--display quest-por", "did you mean `quest-pro`?"),
+            ("--display dk2 --fov 10", "--display and --fov"),
+            ("--pixels 0x5", "--pixels 0x5"),
+            ("--pixels 1920x1080 --aspect 1", "--pixels and --aspect"),
+            ("--sharpness 0", "--sharpness 0"),
+            ("--ppd mean:nan", "--ppd nan"),
+            ("--ppd mid:40", "valid: centre, mean, min"),
+            ("--ppd mean:40 --sharpness 1", "give one of them"),
+            ("--ppd mean:99999", "65536"),
+            ("--margin -1", "--margin -1"),
+            ("--gaze 1e300,0", "--gaze 1e300,0"),
+            ("--gaze-mode fixd", "did you mean `fixed`?"),
+            ("--method layer:3", "did you mean `layers`?"),
+        ] {
+            let Err(Failure::BadInput(error)) = sweep(line) else {
+                panic!("{line} is accepted")
+            };
+            let text = format!("{error:#}");
+            assert!(
+                text.contains(expect) && !text.contains('\n'),
+                "{line}: {text}"
+            );
+        }
+    }
+}

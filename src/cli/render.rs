@@ -1,0 +1,155 @@
+use foveasim_assets::{STUDY_FRAMES, study_camera, study_scene};
+use foveasim_models::foveation::{Method, Request};
+use foveasim_models::math::tan_deg;
+use foveasim_models::{Display, Geometry, Viewport, unknown_name};
+use foveasim_render::{RenderOptions, Simd};
+use foveasim_reports::{ERROR_FULL_SCALE, error_map, png};
+use foveasim_study::FrameStudy;
+
+use super::{Context, Failure, options};
+
+/// Draw one frame by any method beside its full-resolution reference, with an error map.
+///
+/// Writes frame.png, reference.png, error.png, work.csv (what both cost, pass by pass) and quality.csv
+/// (PSNR and SSIM, whole and by ring of eccentricity), and prints quality.csv.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  foveasim render --out frames
+  foveasim render --method layers:4 --size 1280x720 --gaze 300,200 --out frames
+  foveasim render --display quest-pro --method layers:3:strict --frame 1200 --out frames
+  foveasim render --fov 70 --size 1920x1080 --slope guenter-b --margin 2 --out frames")]
+pub(crate) struct Args {
+    /// What to draw: study (the scene of Guenter et al. 2012)
+    #[arg(long, value_name = "NAME", default_value = "study")]
+    scene: String,
+    /// Method, as in full, layers:3 or layers:3:strict
+    #[arg(long, value_name = "METHOD", default_value = "layers:3")]
+    method: Method,
+    /// Display whose (first) eye's image is drawn: a preset or a TOML file
+    #[arg(long, value_name = "NAME", default_value = "lg-w2363d")]
+    display: String,
+    /// Pixels of the image [default: the display's]
+    #[arg(long, value_name = "WxH", value_parser = options::size)]
+    size: Option<[u32; 2]>,
+    /// Horizontal field of view [deg] [default: the display's]
+    #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
+    fov: Option<f64>,
+    /// Where the eye looks, in pixels from the top left; may lie outside [default: straight ahead]
+    #[arg(long, value_name = "X,Y", value_parser = options::pair, allow_hyphen_values = true)]
+    gaze: Option<[f64; 2]>,
+    /// Acuity slope: guenter-a, guenter-b, a quality index j:12, or a number
+    #[arg(
+        long,
+        value_name = "SLOPE",
+        default_value = "guenter-a",
+        allow_hyphen_values = true
+    )]
+    slope: String,
+    /// How far gaze may be off without being noticed [deg]
+    #[arg(
+        long = "margin-deg",
+        visible_alias = "margin",
+        value_name = "DEGREES",
+        default_value_t = 0.0,
+        allow_hyphen_values = true
+    )]
+    margin: f64,
+    /// Frame of the fly-through, 0 to 5376
+    #[arg(
+        long,
+        value_name = "N",
+        default_value_t = 500,
+        value_parser = clap::value_parser!(u32).range(..i64::from(STUDY_FRAMES))
+    )]
+    frame: u32,
+    /// Instructions to use; the pictures are the same
+    #[arg(long, value_enum, default_value_t = SimdChoice::Auto)]
+    simd: SimdChoice,
+}
+
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum SimdChoice {
+    /// The widest that this machine has
+    Auto,
+    /// One lane at a time
+    Scalar,
+}
+
+pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
+    if args.scene != "study" {
+        return Err(unknown_name("scene", &args.scene, &["study"]).into());
+    }
+    let display = options::display(&args.display)?;
+    let viewport = viewport(args, &display)?;
+    let ahead = display.primary().ahead();
+    let gaze = args.gaze.map_or(ahead, |px| viewport.gaze_at(px.into()));
+    let request = Request {
+        viewport,
+        acuity: options::acuity(&args.slope)?,
+        gaze,
+        margin_deg: args.margin,
+        ..Request::ahead(display.primary())
+    };
+    // Fails now, not after the work, if there is nowhere to write.
+    let mut outputs = ctx.outputs("out")?;
+
+    let scene = study_scene(ctx.seed);
+    let simd = match args.simd {
+        SimdChoice::Auto => Simd::Auto,
+        SimdChoice::Scalar => Simd::Scalar,
+    };
+    let study = FrameStudy {
+        scene: &scene,
+        world_from_eye: study_camera(f64::from(args.frame) / f64::from(STUDY_FRAMES), ctx.seed),
+        gaze: request.gaze,
+        request,
+        options: RenderOptions {
+            simd,
+            ..RenderOptions::default()
+        },
+    };
+    let outcome = study.run(&[args.method])?;
+    let shot = &outcome.shots[0];
+
+    let (frame, reference) = (&shot.frame.image, &outcome.reference.image);
+    let quality = outcome.quality_table();
+    outputs.add("frame.png", png(frame)?);
+    outputs.add("reference.png", png(reference)?);
+    outputs.add(
+        "error.png",
+        png(&error_map(frame, reference, ERROR_FULL_SCALE)?.image)?,
+    );
+    outputs.add("work.csv", outcome.work_table().csv());
+    outputs.add("quality.csv", quality.csv());
+    let dir = outputs.dir().display().to_string();
+    outputs.commit()?;
+    ctx.print_table(&quality)?;
+    let count = shot.plan.count();
+    ctx.note(&format!(
+        "{}: {} samples for {} pixels, {:.2} times fewer; files in {dir}",
+        shot.plan.method,
+        count.samples(),
+        count.display_pixels,
+        count.ratio(),
+    ));
+    Ok(())
+}
+
+/// The image plane: the display's, with another size or field of view where asked for.
+fn viewport(args: &Args, display: &Display) -> Result<Viewport, Failure> {
+    let own = display.primary().viewport;
+    let size = args.size.map_or(own.size, Into::into);
+    if let Some(fov) = args.fov {
+        if !(fov > 0.0 && fov < 180.0) {
+            let valid = "above 0 and below 180 degrees";
+            return Err(Failure::bad_input(format!("--fov {fov}: must be {valid}")));
+        }
+        return Ok(Viewport::symmetric(size, tan_deg(fov / 2.0))?);
+    }
+    match display.geometry {
+        // A flat screen of the same width with square pixels.
+        Geometry::Planar { .. } => Ok(Viewport::symmetric(size, own.tan[1])?),
+        // The optics set all four edges.
+        Geometry::HeadMounted => Ok(Viewport::new(size, own.tan)?),
+    }
+}

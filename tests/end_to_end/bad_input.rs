@@ -1,0 +1,189 @@
+//! Wrong input: one clear line on standard error, exit 2, nothing written.
+
+use crate::scratch::Scratch;
+
+/// Runs, and checks that the command refuses with one line that holds all of `parts`.
+fn refused(scratch: &Scratch, words: &[&str], parts: &[&str]) {
+    let ran = scratch.run(words);
+    assert_eq!(ran.code, 2, "{words:?}: {} {}", ran.out, ran.err);
+    assert!(ran.out.is_empty(), "{words:?}: {}", ran.out);
+    assert!(!ran.err.contains("panicked"), "{words:?}: {}", ran.err);
+    for part in parts {
+        assert!(
+            ran.err.contains(part),
+            "{words:?} should say {part:?}: {}",
+            ran.err
+        );
+    }
+    assert_eq!(
+        ran.err.trim_end().lines().count(),
+        1,
+        "{words:?}: {}",
+        ran.err
+    );
+    assert!(ran.err.starts_with("foveasim: "), "{words:?}: {}", ran.err);
+}
+
+#[test]
+fn names_and_numbers() {
+    let s = Scratch::new();
+    refused(
+        &s,
+        &["plan", "--display", "quest-por"],
+        &["quest-por", "did you mean `quest-pro`"],
+    );
+    refused(&s, &["run", "--tracker", "tx30"], &["did you mean `tx300`"]);
+    refused(
+        &s,
+        &["plan", "--fov", "180", "--sharpness", "foveal"],
+        &["180"],
+    );
+    refused(
+        &s,
+        &["plan", "--fov", "0", "--sharpness", "foveal"],
+        &["above 0 and below 180"],
+    );
+    refused(
+        &s,
+        &["plan", "--fov", "nan", "--sharpness", "foveal"],
+        &["nan"],
+    );
+    refused(
+        &s,
+        &["plan", "--fov", "120", "--ppd", "40"],
+        &["7939", "4800", "centre:40"],
+    );
+    refused(&s, &["plan", "--slope", "NaN"], &["NaN"]);
+    refused(&s, &["plan", "--slope=-1"], &["-1"]);
+    refused(
+        &s,
+        &["plan", "--method", "layrs:3"],
+        &["did you mean `layers`"],
+    );
+    refused(
+        &s,
+        &["plan", "--pixels", "0x100", "--fov", "90"],
+        &["0x100"],
+    );
+    refused(
+        &s,
+        &["plan", "--pixels", "9999999x9999999", "--fov", "90"],
+        &["65536"],
+    );
+    refused(
+        &s,
+        &["plan", "--fov", "10..130:1e-9", "--sharpness", "foveal"],
+        &["more than 1000000"],
+    );
+    refused(&s, &["latency", "--runs", "0"], &["runs", "1 to"]);
+    refused(&s, &["latency", "--sync", "vsnc"], &["vsync"]);
+    refused(&s, &["render", "--size", "0x0", "--out", "x"], &["0x0"]);
+    refused(&s, &["render", "--size=-5x7", "--out", "x"], &["-5x7"]);
+    refused(&s, &["render", "--gaze", "nan,3", "--out", "x"], &["nan,3"]);
+    refused(&s, &["render", "--scene", "stdy", "--out", "x"], &["study"]);
+    refused(
+        &s,
+        &["run", "--margin-deg", "nan"],
+        &["margin_deg", "0 to 90"],
+    );
+    refused(&s, &["presets", "qest-3"], &["did you mean `quest-3`"]);
+    refused(&s, &["plan", "--threads", "0"], &["--threads", "1..=1024"]);
+    assert!(
+        s.names(".").iter().all(|n| n == "out" || n == "x"),
+        "{:?}",
+        s.names(".")
+    );
+}
+
+#[test]
+fn traces() {
+    let s = Scratch::new();
+    s.ok(&["trace", "synth", "--duration", "1s", "--to", "good.csv"]);
+    let good = s.read("good.csv");
+    let lines: Vec<&str> = good.lines().collect();
+    let header = lines
+        .iter()
+        .position(|l| l.starts_with("t_ns"))
+        .expect("a header")
+        + 1;
+
+    s.write("empty.csv", "");
+    s.write("binary.csv", [0u8, 159, 146, 150, 0, 0, 1, 2, 3]);
+    s.write("header.csv", lines[..header].join("\n") + "\n");
+    s.write("truncated.csv", &good[..good.trim_end().len() - 40]);
+    let mut swapped = lines.clone();
+    swapped.swap(header + 10, header + 20);
+    s.write("reversed.csv", swapped.join("\n") + "\n");
+    let nan = lines[header + 4].replacen(',', ",nan", 1);
+    let mut with_nan = lines.clone();
+    with_nan[header + 4] = &nan;
+    s.write("nan.csv", with_nan.join("\n") + "\n");
+    let lost: Vec<String> = lines[header..]
+        .iter()
+        .map(|l| {
+            let mut fields: Vec<&str> = l.split(',').collect();
+            fields[1..].fill("");
+            fields.join(",")
+        })
+        .collect();
+    s.write(
+        "lost.csv",
+        lines[..header].join("\n") + "\n" + &lost.join("\n") + "\n",
+    );
+    std::fs::create_dir(s.path("folder.csv")).unwrap();
+
+    for (file, part) in [
+        ("empty.csv", "empty"),
+        ("binary.csv", "text"),
+        ("header.csv", "sample"),
+        ("truncated.csv", "line"),
+        ("reversed.csv", "line"),
+        ("nan.csv", "line"),
+        ("lost.csv", "lost"),
+        ("missing.csv", "missing.csv"),
+        ("folder.csv", "folder.csv"),
+    ] {
+        refused(&s, &["run", "--trace", file], &[file, part]);
+        refused(&s, &["replay", file], &[file, part]);
+    }
+    assert!(!s.path("out/report.html").exists());
+}
+
+#[test]
+fn scenarios_and_folders() {
+    let s = Scratch::new();
+    s.write("wrong.toml", "seed = 1\nmetod = \"full\"\n");
+    refused(
+        &s,
+        &["run", "wrong.toml"],
+        &["wrong.toml", "line 2", "did you mean `method`"],
+    );
+    s.write("broken.toml", "seed = = 1\n");
+    refused(&s, &["run", "broken.toml"], &["broken.toml", "line 1"]);
+    s.write("type.toml", "seed = \"one\"\n");
+    refused(&s, &["run", "type.toml"], &["type.toml", "line 1"]);
+    refused(&s, &["run", "missing.toml"], &["missing.toml"]);
+    s.write("three.toml", "screen_px = [1, 2, 3]\ntrace = \"t.csv\"\n");
+    refused(
+        &s,
+        &["run", "three.toml"],
+        &["screen_px", "[width, height]"],
+    );
+    s.write("file", "in the way");
+    refused(&s, &["run", "--out", "file/out"], &["file/out"]);
+    refused(&s, &["run", "--out", "/proc/nowhere"], &["/proc/nowhere"]);
+    refused(&s, &["render", "--out", "file"], &["file"]);
+    assert_eq!(s.read("file"), "in the way");
+}
+
+#[test]
+fn a_closed_pipe_is_not_an_error() {
+    use std::process::{Command, Stdio};
+    let mut child = Command::new(env!("CARGO_BIN_EXE_foveasim"))
+        .args(["plan", "--fov", "10..130:0.1", "--format", "csv"])
+        .stdout(Stdio::piped())
+        .spawn()
+        .unwrap();
+    drop(child.stdout.take());
+    assert!(child.wait().unwrap().success());
+}

@@ -1,0 +1,118 @@
+//! The same input gives the same bytes: on any number of threads, on any run, with any vector width.
+
+use crate::scratch::Scratch;
+
+#[test]
+fn run_replay_and_latency_do_not_depend_on_threads() {
+    let scratch = Scratch::new();
+    scratch.ok(&[
+        "trace",
+        "synth",
+        "--duration",
+        "4s",
+        "--seed",
+        "3",
+        "--to",
+        "t.csv",
+    ]);
+    let mut seen: Vec<Vec<String>> = Vec::new();
+    for (k, threads) in ["1", "2", "7", "2"].into_iter().enumerate() {
+        let out = format!("out{k}");
+        let ran = scratch.run(&[
+            "run",
+            "--trace",
+            "t.csv",
+            "--display",
+            "quest-pro",
+            "--tracker",
+            "quest-pro",
+            "--runs",
+            "40000",
+            "--images",
+            "1",
+            "--method",
+            "layers:3",
+            "--threads",
+            threads,
+            "--out",
+            &out,
+        ]);
+        assert_eq!(ran.code, 0, "{}", ran.err);
+        let mut outcome: Vec<String> = ["report.html", "latency.csv", "work.csv", "timeline.json"]
+            .map(|name| scratch.read(&format!("{out}/{name}")))
+            .into();
+        outcome.push(scratch.ok(&["replay", "t.csv", "--threads", threads, "--digest"]));
+        seen.push(outcome);
+    }
+    for other in &seen[1..] {
+        assert!(
+            *other == seen[0],
+            "results differ between thread counts or runs"
+        );
+    }
+}
+
+#[test]
+fn a_frame_does_not_depend_on_threads_or_vector_width() {
+    let scratch = Scratch::new();
+    let mut seen = Vec::new();
+    for (threads, simd) in [("1", "auto"), ("2", "scalar"), ("7", "auto")] {
+        let out = format!("{threads}-{simd}");
+        scratch.ok(&[
+            "render",
+            "--scene",
+            "study",
+            "--method",
+            "layers:3",
+            "--size",
+            "320x200",
+            "--gaze",
+            "100,120",
+            "--threads",
+            threads,
+            "--simd",
+            simd,
+            "--out",
+            &out,
+        ]);
+        let pixels = |name: &str| {
+            let image = image::open(scratch.path(&out).join(name)).expect("a PNG");
+            image.into_rgb8().into_raw()
+        };
+        let work = scratch.read(&format!("{out}/work.csv"));
+        seen.push((pixels("frame.png"), pixels("reference.png"), work));
+    }
+    assert!(seen[0] == seen[1] && seen[0] == seen[2]);
+}
+
+#[test]
+fn a_golden_replay_names_the_first_difference() {
+    let scratch = Scratch::new();
+    scratch.ok(&["trace", "synth", "--duration", "2s", "--to", "t.csv"]);
+    let digest = scratch.ok(&["replay", "t.csv", "--digest"]);
+    assert_eq!(digest.lines().count(), 1);
+    scratch.write("digest.txt", &digest);
+    let golden = scratch.ok(&["replay", "t.csv", "--format", "csv"]);
+    scratch.write("golden.csv", &golden);
+    scratch.ok(&["replay", "t.csv", "--check", "digest.txt"]);
+    scratch.ok(&["replay", "t.csv", "--check", "golden.csv"]);
+
+    let ran = scratch.run(&["replay", "t.csv", "--seed", "2", "--check", "digest.txt"]);
+    assert_eq!(ran.code, 1, "{}", ran.err);
+    let mut lines: Vec<String> = golden.lines().map(str::to_owned).collect();
+    lines[5] = lines[5].replacen(',', ",9", 1);
+    scratch.write("changed.csv", lines.join("\n") + "\n");
+    let ran = scratch.run(&["replay", "t.csv", "--check", "changed.csv"]);
+    assert_eq!(ran.code, 1);
+    assert!(
+        ran.err.contains("vblank_ms"),
+        "names the column: {}",
+        ran.err
+    );
+    let ran = scratch.run(&["replay", "t.csv", "--check", "missing.csv"]);
+    assert_eq!(
+        ran.code, 2,
+        "a golden file that is not there is bad input: {}",
+        ran.err
+    );
+}

@@ -1,0 +1,8 @@
+//! The command-line tool as its users meet it: one binary, each test in a scratch folder of its own.
+
+mod bad_input;
+mod determinism;
+mod plan_and_latency;
+mod real_recordings;
+mod report;
+mod scratch;

@@ -1,0 +1,120 @@
+//! The exact commands that others script against, and the numbers they print.
+
+use crate::scratch::{Scratch, number, rows};
+
+#[test]
+fn plan_of_the_study_display() {
+    let csv = Scratch::new().ok(&[
+        "plan",
+        "--display",
+        "lg-w2363d",
+        "--slope",
+        "0.0275",
+        "--method",
+        "layers:3",
+        "--format",
+        "csv",
+    ]);
+    let wanted = "method,fov_h_deg,width_px,height_px,display_samples,method_samples,sample_ratio,\
+                  sample_ratio_staggered,ideal_ratio";
+    assert!(csv.starts_with(wanted), "{csv}");
+    let rows = rows(&csv);
+    assert_eq!(rows.len(), 1);
+    // Guenter 2012, Eqs 2-8, optimised continuously by an independent computation.
+    assert!((number(&rows[0], "sample_ratio") / 8.497_841_827_596_73 - 1.0).abs() < 1e-6);
+    assert!((number(&rows[0], "sample_ratio_staggered") - 13.292_452).abs() < 1e-3);
+    assert!(number(&rows[0], "ideal_ratio") > number(&rows[0], "sample_ratio"));
+}
+
+#[test]
+fn plan_over_field_of_view_gives_the_hundredfold_saving_at_70_degrees() {
+    let csv = Scratch::new().ok(&[
+        "plan",
+        "--fov",
+        "10..130:5",
+        "--sharpness",
+        "foveal",
+        "--aspect",
+        "0.75",
+        "--slope",
+        "0.0275",
+        "--method",
+        "layers:4",
+        "--format",
+        "csv",
+    ]);
+    let rows = rows(&csv);
+    assert_eq!(rows.len(), 25);
+    let at_70 = rows
+        .iter()
+        .find(|r| number(r, "fov_h_deg") == 70.0)
+        .expect("a row for 70");
+    assert!((number(at_70, "sample_ratio") / 102.981_630_683_630_3 - 1.0).abs() < 1e-6);
+}
+
+#[test]
+fn latency_agrees_with_the_published_set_up() {
+    // Exact distributions of the unrounded set-up, by an independent computation [ms]: p5, p50, mean,
+    // p95 and p99, then the exact extremes.
+    #[rustfmt::skip]
+    let cases = [
+        ("tearing", "gaze_to_photon_gaze_row", [24.02, 29.97, 29.97, 35.92, 37.70], [18.966_667, 40.966_667]),
+        ("tearing", "gaze_to_photon_last_row", [25.56, 31.39, 31.37, 37.03, 38.61], [20.509_877, 40.966_667]),
+        ("tearing", "gaze_to_photon_complete_pass", [25.56, 31.51, 31.51, 37.46, 39.24], [20.509_877, 42.509_877]),
+        ("vsync-free", "gaze_to_photon_last_row", [28.96, 34.90, 34.90, 40.85, 42.64], [23.904_938, 45.904_938]),
+        ("vsync", "gaze_to_photon_last_row", [26.47, 30.74, 30.74, 35.01, 36.08], [23.904_938, 37.571_605]),
+    ];
+    let scratch = Scratch::new();
+    for sync in ["tearing", "vsync-free", "vsync"] {
+        let csv = scratch.ok(&[
+            "latency",
+            "--display",
+            "lg-w2363d",
+            "--tracker",
+            "tx300",
+            "--sync",
+            sync,
+            "--runs",
+            "1000000",
+            "--seed",
+            "5",
+            "--format",
+            "csv",
+        ]);
+        let header =
+            "stage,min_ms,p5_ms,p50_ms,mean_ms,p95_ms,p99_ms,max_ms,bound_min_ms,bound_max_ms";
+        assert!(csv.starts_with(header), "{csv}");
+        let rows = rows(&csv);
+        for (_, quantity, wanted, [min, max]) in cases.iter().filter(|c| c.0 == sync) {
+            let row = rows
+                .iter()
+                .find(|r| r["stage"] == *quantity)
+                .expect("the quantity");
+            for (column, wanted) in ["p5_ms", "p50_ms", "mean_ms", "p95_ms", "p99_ms"]
+                .iter()
+                .zip(wanted)
+            {
+                let off = number(row, column) - wanted;
+                assert!(off.abs() < 0.05, "{sync} {quantity} {column}: {off} ms off");
+            }
+            assert!(
+                (number(row, "bound_min_ms") - min).abs() < 1e-3,
+                "{sync} {quantity} {row:?}"
+            );
+            assert!(
+                (number(row, "bound_max_ms") - max).abs() < 1e-3,
+                "{sync} {quantity} {row:?}"
+            );
+        }
+        for row in &rows {
+            assert!(
+                number(row, "bound_min_ms") <= number(row, "min_ms"),
+                "{row:?}"
+            );
+            assert!(
+                number(row, "max_ms") <= number(row, "bound_max_ms"),
+                "{row:?}"
+            );
+        }
+    }
+}

@@ -56,11 +56,6 @@ impl Outputs {
         &self.dir
     }
 
-    /// Names of the files so far.
-    pub fn names(&self) -> impl Iterator<Item = &str> {
-        self.files.iter().map(|(n, _)| n.as_str())
-    }
-
     /// Writes all files: first all under temporary names, then all renamed.
     ///
     /// # Errors

@@ -95,9 +95,12 @@ fn bad_flags(error: &clap::Error) -> ExitCode {
         }
         _ => {
             let text = error.to_string();
-            let paragraph = text.split("\n\n").next().unwrap_or_default();
-            let line: Vec<&str> = paragraph.lines().map(str::trim).collect();
-            let line = line.join(" ");
+            let useful = |p: &&str| !(p.starts_with("Usage:") || p.starts_with("For more"));
+            // Negative numbers are taken as values already: that tip would be wrong.
+            let wrong = |p: &&str| !p.trim_start().starts_with("tip: to pass");
+            let joined = |p: &str| p.lines().map(str::trim).collect::<Vec<_>>().join(" ");
+            let paragraphs = text.split("\n\n").filter(useful).filter(wrong).map(joined);
+            let line = paragraphs.collect::<Vec<_>>().join("; ");
             let line = line.trim_start_matches("error: ");
             Failure::bad_input(format!("{line} (see --help)")).report()
         }

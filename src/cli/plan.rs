@@ -20,7 +20,7 @@ use super::{Context, Failure, options};
   foveasim plan
   foveasim plan --display lg-w2363d --slope 0.0275 --method layers:3 --format csv
   foveasim plan --fov 10..130:5 --sharpness foveal --aspect 0.75 --method layers:4 --format csv
-  foveasim plan --display quest-pro,quest-3 --method full,layers:3:strict --margin 0..5:1
+  foveasim plan --display quest-pro,quest-3 --method full,layers:3:strict --margin-deg 0..5:1
   foveasim plan --fov 90 --ppd centre:40,mean:40 --slope guenter-a,guenter-b,j:22
   foveasim plan --fov 90 --pixels 3840x2160 --gaze 0,1080 --gaze-mode fixed
 
@@ -203,9 +203,9 @@ impl Args {
 
     fn sweep(&self) -> Result<Sweep, Failure> {
         let slopes = self.slope.split(',').map(|s| Acuity::parse(s.trim()));
-        let margins = list("--margin", &self.margin)?;
+        let margins = list("--margin-deg", &self.margin)?;
         if let Some(bad) = margins.iter().find(|m| !(0.0..=90.0).contains(*m)) {
-            return Err(anyhow!("--margin {bad}: must be from 0 to 90 degrees").into());
+            return Err(anyhow!("--margin-deg {bad}: must be from 0 to 90 degrees").into());
         }
         let mut sweep = Sweep {
             displays: Vec::new(),
@@ -353,7 +353,7 @@ mod tests {
                 6,
             ),
             (
-                "--fov 90 --pixels 3840x2160 --margin 0..5:1 --gaze -10,2000",
+                "--fov 90 --pixels 3840x2160 --margin-deg 0..5:1 --gaze -10,2000",
                 6 * 3,
             ),
             (
@@ -389,7 +389,7 @@ mod tests {
             ("--ppd mid:40", "valid: centre, mean, min"),
             ("--ppd mean:40 --sharpness 1", "give one of them"),
             ("--ppd mean:99999", "65536"),
-            ("--margin -1", "--margin -1"),
+            ("--margin -1", "--margin-deg -1"),
             ("--gaze 1e300,0", "--gaze 1e300,0"),
             ("--gaze-mode fixd", "did you mean `fixed`?"),
             ("--method layer:3", "did you mean `layers`?"),

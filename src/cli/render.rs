@@ -17,7 +17,7 @@ use super::{Context, Failure, options};
   foveasim render --out frames
   foveasim render --method layers:4 --size 1280x720 --gaze 300,200 --out frames
   foveasim render --display quest-pro --method layers:3:strict --frame 1200 --out frames
-  foveasim render --fov 70 --size 1920x1080 --slope guenter-b --margin 2 --out frames")]
+  foveasim render --fov 70 --size 1920x1080 --slope guenter-b --margin-deg 2 --out frames")]
 pub(crate) struct Args {
     /// What to draw: study (the scene of Guenter et al. 2012)
     #[arg(long, value_name = "NAME", default_value = "study")]

@@ -2,6 +2,7 @@
 
 use foveasim_models::{
     Emission, FixedCost, Nanos, Pose, PosePredictor, PoseSeries, Provenance, Sample, Series,
+    presets,
 };
 use glam::{DQuat, DVec3};
 
@@ -66,4 +67,32 @@ fn poses_at_equal_times_keep_their_velocity() {
     let times = [0, 10, 10, 20, 20, 20, 30].map(|t| (t, true));
     let got: Vec<_> = ahead(&walk(&times), 35).into_iter().map(|f| f.1).collect();
     assert_eq!(got, [0.0, 17.5, 17.5, 17.5]);
+}
+
+#[test]
+fn a_scan_gives_the_view_its_picture_was_drawn_for() {
+    let poses = walk(&(0..8).map(|i| (i * 10, true)).collect::<Vec<_>>());
+    let (scan, response) = panel(Emission::Rolling);
+    let (tracker, cost) = (tracker([1_000_000; 2]), FixedCost(ms(4)));
+    let mut setup = Setup::new(scan, response, &tracker, SyncMode::Vsync, &cost);
+    setup.pose = Some(&poses);
+    let display = presets::display("quest-pro").unwrap();
+    let left = display.primary();
+    let (mut dark, mut seen) = (0, Vec::new());
+    for scan in record(&setup, ms(75)).displayed {
+        match (scan.at_row(0), scan.view(left, 0)) {
+            (None, None) => dark += 1,
+            (Some(shown), Some(view)) => {
+                let head = shown.frame.pose.unwrap().pose;
+                assert_eq!(view.poses, [head.then(left.head_from_eye); 2]);
+                assert_eq!((view.eye, view.optics), (left.eye, left.viewport));
+                seen.push(view.poses[0].position.x);
+            }
+            other => panic!("{other:?}"),
+        }
+    }
+    assert!(
+        dark == 1 && seen.len() > 3 && seen.windows(2).all(|w| w[0] < w[1]),
+        "{dark} {seen:?}"
+    );
 }

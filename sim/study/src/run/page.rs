@@ -142,7 +142,7 @@ fn savings(page: &mut Page, run: &Run, scenario: &Scenario) {
         ],
     };
     page.svg(
-        "Closed-form counts of the same design that is drawn; the drawn plan has whole samples, a percent or so more (plan_samples in plan.csv).",
+        "Closed-form counts of the same design that is drawn; the drawn plan has whole samples, up to a percent more (plan_samples in plan.csv).",
         &chart.svg(),
     );
     let times = BarChart {

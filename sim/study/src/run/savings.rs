@@ -23,8 +23,6 @@ pub struct Savings {
 pub struct MethodSaving {
     /// The method.
     pub method: Method,
-    /// Samples when every layer is drawn.
-    pub samples: f64,
     /// Samples per frame on average, each layer at its own cadence.
     pub samples_staggered: f64,
     /// Display pixels over samples.
@@ -39,8 +37,6 @@ pub struct MethodSaving {
     pub predicted_speedup: f64,
     /// Whether acuity is used beyond where it was measured.
     pub extrapolated: bool,
-    /// Radii of the first eye's layers \[deg\].
-    pub radii_deg: Vec<f64>,
 }
 
 pub(super) fn savings(scenario: &Scenario) -> Result<Savings, ModelError> {
@@ -73,7 +69,6 @@ pub(super) fn savings(scenario: &Scenario) -> Result<Savings, ModelError> {
         .map_or(f64::NAN, time);
     let methods = rows.iter().map(|row| MethodSaving {
         method: row.method,
-        samples: row.method_samples,
         samples_staggered: row.method_samples_staggered,
         sample_ratio: row.sample_ratio(),
         sample_ratio_staggered: row.sample_ratio_staggered(),
@@ -81,12 +76,6 @@ pub(super) fn savings(scenario: &Scenario) -> Result<Savings, ModelError> {
         predicted_ms: time(row),
         predicted_speedup: full / time(row),
         extrapolated: row.extrapolated,
-        radii_deg: row
-            .layers
-            .passes
-            .iter()
-            .filter_map(|p| p.radius_deg)
-            .collect(),
     });
     Ok(Savings {
         methods: methods.collect(),

@@ -88,6 +88,27 @@ fn names_and_numbers() {
     );
     refused(&s, &["presets", "qest-3"], &["did you mean `quest-3`"]);
     refused(&s, &["plan", "--threads", "0"], &["--threads", "1..=1024"]);
+    refused(&s, &["run", "--images", "-1"], &["--images", "-1"]);
+    refused(&s, &["run", "--fov", "40..120:0.0001"], &["at most 10000"]);
+    refused(&s, &["run", "--scale", "2"], &["trace"]);
+    refused(&s, &["latency", "--render-ms", "nan"], &["0 to 10000"]);
+    refused(
+        &s,
+        &["replay", "t.csv", "--gaze-mode", "fixd"],
+        &["did you mean `fixed`"],
+    );
+    refused(
+        &s,
+        &["render", "--fov", "1e-40", "--out", "x"],
+        &["pixel size"],
+    );
+    refused(&s, &["trace", "synth", "--out", "x"], &["--to"]);
+    refused(
+        &s,
+        &["run", "--dispaly", "dk2"],
+        &["--dispaly", "'--display'"],
+    );
+    refused(&s, &["nonsense"], &["nonsense"]);
     assert!(
         s.names(".").iter().all(|n| n == "out" || n == "x"),
         "{:?}",

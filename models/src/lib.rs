@@ -53,8 +53,8 @@ pub use error::{ModelError, closest, toml_error, unknown_name};
 pub use gaze::{GazeDirection, GazeMode};
 pub use geometry::{Pose, Rect};
 pub use plan::{
-    Affine, Cadence, Feather, Lattice, Map, Pass, PassCount, PlanCount, Resolve, SamplePlan,
-    Shading, Visibility,
+    Affine, Cadence, CellMask, Feather, Lattice, Map, Msaa, Pass, PassCount, PlanCount, Region,
+    Resolve, SamplePlan, Shading, ShadingRate, TileRates, Visibility,
 };
 pub use predict::PosePredictor;
 pub use rng::{Role, Stream};

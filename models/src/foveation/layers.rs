@@ -1,7 +1,10 @@
 use super::design::OUTER_EVERY;
 use super::{Blending, Coverage, LayerDesign, LayersSettings, Method, Request, Screen, lattice};
 use crate::math::tan_deg;
-use crate::{Cadence, Feather, Lattice, Map, Pass, Resolve, SamplePlan, Shading, Visibility};
+use crate::{
+    Cadence, Feather, Lattice, Map, Msaa, Pass, Region, Resolve, SamplePlan, Shading, Visibility,
+};
+use glam::DVec2;
 
 /// Eccentricity layers (Guenter 2012, §4) as a drawable plan.
 ///
@@ -62,7 +65,9 @@ fn pass(request: &Request, layer: usize, (lattice, map): (Lattice, Map)) -> Pass
         eye: request.eye,
         lattice,
         map,
-        visibility: Visibility::Own,
+        region: Region::All,
+        offset: DVec2::ZERO,
+        visibility: Visibility::Own(Msaa::One),
         shading: Shading::PerSample,
         cadence,
     }

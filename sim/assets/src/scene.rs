@@ -22,6 +22,8 @@ pub struct Instance {
     pub material: usize,
     /// Object to world coordinates.
     pub world_from_object: Similarity,
+    /// Whether its triangles are seen from behind, too.
+    pub two_sided: bool,
 }
 
 /// Everything there is to see. Checked when built, immutable after.

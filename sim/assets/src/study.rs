@@ -60,6 +60,7 @@ pub fn study_scene(seed: u64) -> Scene {
         mesh: 0,
         material: 0,
         world_from_object: Similarity::at(DVec3::ZERO),
+        two_sided: false,
     }];
     for j in 0..GRID {
         for i in 0..GRID {
@@ -119,6 +120,7 @@ fn floating_object(
     Instance {
         mesh: 1 + random.below(shapes) as usize,
         material: 1 + random.below(MATERIALS) as usize,
+        two_sided: false,
         world_from_object: Similarity {
             pose: Pose::new(DVec3::new(x, y, z), orientation.normalize()),
             scale: random.range(1.3, 2.1),

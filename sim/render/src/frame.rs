@@ -1,6 +1,7 @@
 use foveasim_assets::Scene;
 use foveasim_models::{
-    Image, Lattice, Map, Pass, Resolve, SamplePlan, Shading, View, Viewport, Visibility, Work,
+    Image, Lattice, Map, Msaa, Pass, Region, Resolve, SamplePlan, Shading, View, Viewport,
+    Visibility, Work,
 };
 use glam::UVec2;
 
@@ -211,7 +212,11 @@ fn check_pass(pass: &Pass, view: &View) -> Result<(), String> {
         }
         other => return Err(format!("cannot draw a map of kind {other:?}")),
     }
-    if pass.visibility != Visibility::Own || pass.shading != Shading::PerSample {
+    if pass.visibility != Visibility::Own(Msaa::One)
+        || pass.shading != Shading::PerSample
+        || pass.region != Region::All
+        || pass.offset != glam::DVec2::ZERO
+    {
         return Err("can only draw visibility and shading once per sample".into());
     }
     Ok(())

@@ -57,6 +57,7 @@ pub(crate) fn unlit(meshes: Vec<Mesh>, colour: [f32; 3], sky: [f32; 3]) -> Scene
             mesh,
             material: 0,
             world_from_object: placed,
+            two_sided: false,
         })
         .collect();
     Scene::new(

@@ -1,0 +1,240 @@
+use std::time::Duration;
+
+use foveasim_assets::{STUDY_FRAMES, Scene, study_camera};
+use foveasim_models::foveation::{Method, Prepared, Request};
+use foveasim_models::math::{mean, quantile_sorted, sum};
+use foveasim_models::{
+    Acuity, Eye, GazeDirection, ModelError, Msaa, Resolve, SamplePlan, View, Viewport, Visibility,
+};
+use foveasim_render::{Frame, RenderError, RenderOptions, render};
+
+use crate::FrameError;
+
+/// The three techniques of §4.2, each on or off.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Antialiasing {
+    /// Visibility at four positions of each sample.
+    pub msaa: bool,
+    /// Each layer's samples are shifted within their cells, from frame to frame.
+    pub jitter: bool,
+    /// What was seen before is blended in where it is found again.
+    pub reproject: bool,
+}
+
+/// Gaze and camera of the fly-through on one display.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) struct Flight {
+    pub(super) viewport: Viewport,
+    pub(super) seed: u64,
+}
+
+/// Draws consecutive frames of the fly-through in one way.
+#[derive(Debug)]
+pub(super) struct Shooter<'a> {
+    flight: &'a Flight,
+    scene: &'a Scene,
+    method: Prepared,
+    antialiasing: Antialiasing,
+    /// Layers left out, from the inside.
+    without: usize,
+}
+
+/// Times of some frames.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct Times {
+    /// One for each moment: the mean of an even and an odd frame \[ms\].
+    pub frame_ms: Vec<f64>,
+}
+
+/// TEMP
+const MSAA_DRAWN: bool = false;
+/// Frames drawn before a moment is timed, so that history and every layer are there.
+const WARM_UP: u32 = 2;
+/// Frames timed at each moment: one of each turn of the staggered layers.
+const TIMED: u32 = 2;
+
+impl Antialiasing {
+    /// All three, as in the paper's user study.
+    pub const ALL: Self = Self {
+        msaa: true,
+        jitter: true,
+        reproject: true,
+    };
+
+    /// Whether a frame depends on those before it.
+    fn remembers(self) -> bool {
+        self.reproject
+    }
+}
+
+impl Flight {
+    /// Where the eye is in `frame`, and what through.
+    pub(super) fn view(&self, frame: u32) -> View {
+        let t = f64::from(frame) / f64::from(STUDY_FRAMES);
+        View::still(Eye::Cyclopean, self.viewport, study_camera(t, self.seed))
+    }
+
+    /// Where it looks, in its own frame.
+    pub(super) fn gaze(&self, _frame: u32) -> GazeDirection {
+        GazeDirection::AHEAD
+    }
+
+    /// `method` at an acuity, ready for any gaze.
+    pub(super) fn prepare(&self, method: Method, acuity: Acuity) -> Result<Prepared, ModelError> {
+        method.prepare(&Request {
+            eye: Eye::Cyclopean,
+            viewport: self.viewport,
+            acuity,
+            gaze: GazeDirection::AHEAD,
+            margin_deg: 0.0,
+        })
+    }
+}
+
+impl<'a> Shooter<'a> {
+    pub(super) fn new(
+        flight: &'a Flight,
+        scene: &'a Scene,
+        method: Prepared,
+        antialiasing: Antialiasing,
+    ) -> Self {
+        Self {
+            flight,
+            scene,
+            method,
+            antialiasing,
+            without: 0,
+        }
+    }
+
+    /// The same without its innermost `layers` (the outermost always stays).
+    pub(super) fn without(self, layers: usize) -> Self {
+        Self {
+            without: layers,
+            ..self
+        }
+    }
+
+    /// What is drawn in `frame`.
+    pub(super) fn plan(&self, frame: u32) -> Result<SamplePlan, ModelError> {
+        let mut plan = self.method.plan(self.flight.gaze(frame))?;
+        if let Resolve::Feather(feather) = &mut plan.resolve {
+            let out = self.without.min(plan.passes.len() - 1);
+            plan.passes.drain(..out);
+            feather.edges_tan.drain(..out);
+        }
+        if MSAA_DRAWN && self.antialiasing.msaa {
+            for pass in &mut plan.passes {
+                pass.visibility = Visibility::Own(Msaa::Four);
+            }
+        }
+        Ok(plan)
+    }
+
+    /// Forgets the frames before.
+    pub(super) fn cut(&mut self) {}
+
+    /// Draws `frame`.
+    pub(super) fn draw(&mut self, frame: u32) -> Result<Frame, FrameError> {
+        let plan = self.plan(frame)?;
+        let view = self.flight.view(frame);
+        Ok(self.render(&view, &plan)?)
+    }
+
+    fn render(&self, view: &View, plan: &SamplePlan) -> Result<Frame, RenderError> {
+        render(self.scene, view, plan, &RenderOptions::default())
+    }
+
+    /// Whether a frame can only be timed after others.
+    fn needs_warm_up(&self) -> bool {
+        let staggered = |f: &Resolve| matches!(f, Resolve::Feather(_));
+        let plan = self.plan(0);
+        self.antialiasing.remembers() || plan.is_ok_and(|p| staggered(&p.resolve))
+    }
+}
+
+/// `count` moments spread evenly over the fly-through, at even frames.
+pub(super) fn moments(count: u32) -> Vec<u32> {
+    let usable = u64::from(STUDY_FRAMES - WARM_UP - TIMED);
+    let at = |k: u32| (2 * u64::from(k) + 1) * usable / (2 * u64::from(count));
+    (0..count)
+        .map(|k| (at(k) as u32 + WARM_UP) / 2 * 2)
+        .collect()
+}
+
+/// Times all of them at each moment, one after the other, so that what disturbs the machine disturbs
+/// all alike. `done` hears of every shooter at every moment.
+pub(super) fn time(
+    shooters: &mut [Shooter<'_>],
+    moments: &[u32],
+    clock: &mut dyn FnMut() -> Duration,
+    done: &mut dyn FnMut(),
+) -> Result<Vec<Times>, FrameError> {
+    let mut times = vec![Times::default(); shooters.len()];
+    for &moment in moments {
+        for (shooter, times) in shooters.iter_mut().zip(&mut times) {
+            shooter.cut();
+            if shooter.needs_warm_up() {
+                for frame in moment - WARM_UP..moment {
+                    shooter.draw(frame)?;
+                }
+            }
+            let mut ms = Vec::new();
+            for frame in moment..moment + TIMED {
+                let begin = clock();
+                let drawn = shooter.draw(frame)?;
+                ms.push((clock().saturating_sub(begin)).as_secs_f64() * 1e3);
+                drop(drawn);
+            }
+            shooter.cut();
+            times.frame_ms.push(mean(&ms));
+            done();
+        }
+    }
+    Ok(times)
+}
+
+impl Times {
+    /// Of all timed frames \[ms\].
+    pub fn total_ms(&self) -> f64 {
+        f64::from(TIMED) * sum(&self.frame_ms)
+    }
+
+    /// Mean of a frame \[ms\].
+    pub fn mean_ms(&self) -> f64 {
+        mean(&self.frame_ms)
+    }
+
+    /// Median over the moments \[ms\].
+    pub fn median_ms(&self) -> f64 {
+        let mut sorted = self.frame_ms.clone();
+        sorted.sort_unstable_by(f64::total_cmp);
+        quantile_sorted(&sorted, 0.5)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn moments_leave_room_before_and_after() {
+        for count in [1, 2, 24, 1000] {
+            let all = moments(count);
+            assert_eq!(all.len(), count as usize);
+            assert!(all.windows(2).all(|w| w[0] < w[1]));
+            assert!(all.iter().all(|m| m % 2 == 0 && *m >= WARM_UP));
+            assert!(all[all.len() - 1] + TIMED <= STUDY_FRAMES);
+        }
+        assert_eq!(moments(1), [2688]);
+    }
+
+    #[test]
+    fn times_are_of_frames() {
+        let times = Times {
+            frame_ms: vec![3.0, 1.0, 2.0, 10.0],
+        };
+        assert_eq!((times.median_ms(), times.mean_ms()), (2.5, 4.0));
+        assert_eq!(times.total_ms(), 32.0);
+    }
+}

@@ -17,7 +17,7 @@ mod study;
 mod surface;
 mod terrain;
 
-pub use material::{Material, Pattern, Surface, Terrain};
+pub use material::{Material, Pattern, Phong, Surface, Terrain};
 pub use mesh::{Mesh, MeshError, Vertex};
 pub use scene::{Instance, Scene, SceneError, Similarity};
 pub use sky::{AnalyticSky, Sky, Sun};

@@ -8,6 +8,25 @@ pub enum Material {
     Terrain(Terrain),
     /// A two-coloured surface from diffuse to mirror-like.
     Surface(Surface),
+    /// The plainest lit surface, as renderers are compared by.
+    Phong(Phong),
+}
+
+/// Phong's reflection (1975) with colours that wave through the world, seen alike from both sides:
+/// ½ + ½·sin(frequency·p) times (ambient + diffuse·n·l), plus specular·(r·v)^(2^k), in units of the
+/// sun's radiance.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Phong {
+    /// Radians of the colours' wave per metre of the world, 0 to 1000.
+    pub frequency: f32,
+    /// Share of the colour without any light.
+    pub ambient: f32,
+    /// Share of the colour that faces the light.
+    pub diffuse: f32,
+    /// Brightness of the highlight.
+    pub specular: f32,
+    /// Binary logarithm k of the highlight's exponent, 0 to 10.
+    pub shininess_log2: u32,
 }
 
 /// Procedural ground: bands of grass, rock and snow broken up by noise.
@@ -63,6 +82,11 @@ impl Material {
         match self {
             Self::Unlit(c) => colour(c),
             Self::Terrain(t) => t.octaves <= 16 && t.snow_line_m.is_finite(),
+            Self::Phong(p) => {
+                let share = |v: f32| (0.0..=1e3).contains(&v);
+                [p.frequency, p.ambient, p.diffuse, p.specular].into_iter().all(share)
+                    && p.shininess_log2 <= 10
+            }
             Self::Surface(s) => {
                 s.albedo.iter().all(colour)
                     && (0.0..=1e4).contains(&s.frequency)

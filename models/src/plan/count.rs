@@ -47,4 +47,9 @@ impl PlanCount {
     pub fn ratio_staggered(&self) -> f64 {
         self.display_pixels as f64 / self.samples_staggered()
     }
+
+    /// Display pixels per evaluation of shading: how many times fewer than at full resolution.
+    pub fn shading_ratio(&self) -> f64 {
+        self.display_pixels as f64 / self.shadings() as f64
+    }
 }

@@ -71,6 +71,12 @@ impl SamplePlan {
         let due = self.passes.iter().filter(|p| p.cadence.is_due(frame));
         due.map(Pass::samples).sum()
     }
+
+    /// Evaluations of shading in `frame` (see [`PassCount::shadings`]).
+    pub fn shadings_in_frame(&self, frame: u64) -> u64 {
+        let due = self.passes.iter().filter(|p| p.cadence.is_due(frame));
+        due.map(Pass::shadings).sum()
+    }
 }
 
 #[cfg(test)]

@@ -70,8 +70,10 @@ impl Pass {
     pub fn shadings(&self) -> u64 {
         match (&self.shading, &self.region) {
             (Shading::PerSample, _) => self.samples(),
-            (Shading::Coarse(rates), Region::All) => rates.blocks(|_| true),
-            (Shading::Coarse(rates), Region::Cells(mask)) => rates.blocks(|s| mask.is_live(s)),
+            (Shading::Coarse(rates), Region::All) => rates.blocks(),
+            (Shading::Coarse(rates), Region::Cells(mask)) => {
+                rates.blocks_where(|s| mask.is_live(s))
+            }
         }
     }
 }

@@ -103,21 +103,33 @@ impl TileRates {
         self.rates[(place.y * self.lattice.x.div_ceil(self.tile) + place.x) as usize]
     }
 
+    /// Tiles: the first sample of each, one past its last, and its rate.
+    fn tiles(&self) -> impl Iterator<Item = (UVec2, UVec2, ShadingRate)> {
+        let across = self.lattice.x.div_ceil(self.tile).max(1) as usize;
+        self.rates.iter().enumerate().map(move |(i, rate)| {
+            let first = UVec2::new((i % across) as u32, (i / across) as u32) * self.tile;
+            (first, (first + self.tile).min(self.lattice), *rate)
+        })
+    }
+
+    /// Blocks of shading.
+    pub(super) fn blocks(&self) -> u64 {
+        let blocks = |from: u32, to: u32, side: u32| u64::from((to - from).div_ceil(side));
+        self.tiles()
+            .map(|(from, to, rate)| blocks(from.x, to.x, rate.x) * blocks(from.y, to.y, rate.y))
+            .sum()
+    }
+
     /// Blocks of shading that hold a sample for which `is_live` holds.
-    pub(super) fn blocks(&self, is_live: impl Fn(UVec2) -> bool) -> u64 {
+    pub(super) fn blocks_where(&self, is_live: impl Fn(UVec2) -> bool) -> u64 {
         let mut blocks = 0;
-        for y in (0..self.lattice.y).step_by(self.tile as usize) {
-            for x in (0..self.lattice.x).step_by(self.tile as usize) {
-                let tile = UVec2::new(x, y);
-                let end = (tile + self.tile).min(self.lattice);
-                let rate = self.rate(tile);
-                for by in (y..end.y).step_by(rate.y as usize) {
-                    for bx in (x..end.x).step_by(rate.x as usize) {
-                        let live = (by..(by + rate.y).min(end.y)).any(|sy| {
-                            (bx..(bx + rate.x).min(end.x)).any(|sx| is_live(UVec2::new(sx, sy)))
-                        });
-                        blocks += u64::from(live);
-                    }
+        for (from, to, rate) in self.tiles() {
+            for by in (from.y..to.y).step_by(rate.y as usize) {
+                for bx in (from.x..to.x).step_by(rate.x as usize) {
+                    let live = (by..(by + rate.y).min(to.y)).any(|sy| {
+                        (bx..(bx + rate.x).min(to.x)).any(|sx| is_live(UVec2::new(sx, sy)))
+                    });
+                    blocks += u64::from(live);
                 }
             }
         }

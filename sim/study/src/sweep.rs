@@ -416,7 +416,7 @@ mod tests {
         assert_eq!(cell(&rows[0], "gaze_mode"), Cell::Text("tracked".into()));
         assert_eq!(cell(&rows[1], "gaze_mode"), Cell::Text("fixed".into()));
         assert!(
-            (rows[1].gaze_error_deg - 8.679).abs() < 1e-2,
+            (rows[1].gaze_error_deg - 8.702_829).abs() < 1e-6,
             "{}",
             rows[1].gaze_error_deg
         );

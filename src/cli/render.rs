@@ -22,7 +22,7 @@ pub(crate) struct Args {
     /// What to draw: study (the scene of Guenter et al. 2012)
     #[arg(long, value_name = "NAME", default_value = "study")]
     scene: String,
-    /// Method, as in full, layers:3 or layers:3:strict
+    /// Method, as in full, layers:3, layers:3:strict, vrs, fdm, rates or quad (see foveasim plan --help)
     #[arg(long, value_name = "METHOD", default_value = "layers:3")]
     method: Method,
     /// Display whose (first) eye's image is drawn: a preset or a TOML file

@@ -32,5 +32,5 @@ pub use scenario::{
     read_text, tracker,
 };
 pub use sweep::{
-    DensityAt, GazeAt, Resolution, SWEEP_COLUMNS, Sweep, SweepDisplay, SweepEye, SweepRow,
+    DensityAt, Drawn, GazeAt, Resolution, SWEEP_COLUMNS, Sweep, SweepDisplay, SweepEye, SweepRow,
 };

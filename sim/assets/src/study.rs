@@ -144,7 +144,11 @@ pub(crate) fn ground_seed(seed: u64) -> u32 {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::sync::LazyLock;
+
     use crate::{Detail, LodRule};
+
+    static SCENE: LazyLock<Scene> = LazyLock::new(|| study_scene(1));
 
     /// The pixel of a display 1920 pixels and 46.7° wide, as the study's.
     const PIXEL_TAN: f64 = 51.0 / 59.0 / 1920.0;
@@ -159,13 +163,13 @@ mod tests {
 
     #[test]
     fn the_same_seed_gives_the_same_scene() {
-        assert_eq!(study_scene(1), study_scene(1));
-        assert_ne!(study_scene(1).instances(), study_scene(2).instances());
+        assert_eq!(*SCENE, study_scene(1));
+        assert_ne!(SCENE.instances(), study_scene(2).instances());
     }
 
     #[test]
     fn it_is_the_scene_of_the_paper() {
-        let scene = study_scene(1);
+        let scene = &*SCENE;
         assert_eq!(scene.meshes()[0].triangles().len(), 20_000);
         assert_eq!(scene.instances().len(), 1 + 400);
         // 20,000 each, less what whole rows and columns miss of it.
@@ -193,7 +197,7 @@ mod tests {
 
     #[test]
     fn the_camera_stays_above_ground_and_out_of_objects() {
-        let scene = study_scene(1);
+        let scene = &*SCENE;
         for frame in 0..STUDY_FRAMES {
             let eye = study_camera(f64::from(frame) / f64::from(STUDY_FRAMES), 1).position;
             assert!(eye.y > terrain_height(eye.x, eye.z, ground_seed(1)) + 3.0);
@@ -218,7 +222,7 @@ mod tests {
     /// of 2^(1/6), and a little for whole rows and columns.
     #[test]
     fn drawn_counts_follow_the_curve() {
-        let scene = study_scene(1);
+        let scene = &*SCENE;
         for outermost in [false, true] {
             let (mut drawn, mut wanted) = (0.0, 0.0);
             for (index, instance) in scene.instances().iter().enumerate().skip(1) {
@@ -242,7 +246,7 @@ mod tests {
 
     #[test]
     fn the_footprint_rule_stays_within_half_a_sample() {
-        let scene = study_scene(1);
+        let scene = &*SCENE;
         let mut coarser = 0;
         for frame in (0..STUDY_FRAMES).step_by(500) {
             let eye = study_camera(f64::from(frame) / f64::from(STUDY_FRAMES), 1).position;
@@ -304,14 +308,14 @@ mod tests {
     /// layer is rendered with roughly half as many" (Guenter 2012, §6).
     #[test]
     fn as_many_triangles_are_in_view_as_the_paper_counts() {
-        let scene = study_scene(1);
+        let scene = &*SCENE;
         let mean = |detail: Detail| {
             let frames = (0..STUDY_FRAMES).step_by(49);
             let count = frames.len() as f64;
             let sum: f64 = frames
                 .map(|f| {
                     let camera = study_camera(f64::from(f) / f64::from(STUDY_FRAMES), 1);
-                    in_view(&scene, camera, detail)
+                    in_view(scene, camera, detail)
                 })
                 .sum();
             sum / count

@@ -113,6 +113,22 @@ mod tests {
     }
 
     #[test]
+    fn it_is_the_same_everywhere() {
+        let gaze = StudyGaze::record(1);
+        for (frame, target, azimuth_deg, elevation_deg) in [
+            (0, 369, -14.036_243_467_926_48, 9.431_291_135_167_46),
+            (1500, 269, -20.788_380_990_022_88, 7.894_968_177_336_78),
+            (3000, 169, -17.580_461_989_838_14, -4.825_034_044_991_66),
+        ] {
+            let seen = gaze.direction(frame);
+            assert_eq!(gaze.target(frame), Some(target));
+            let off = GazeDirection::new(azimuth_deg, elevation_deg).angle_to_deg(seen);
+            assert!(off < 1e-9, "frame {frame}: {seen:?}");
+        }
+        assert_eq!(gaze.direction(u32::MAX), gaze.direction(STUDY_FRAMES - 1));
+    }
+
+    #[test]
     fn the_first_target_is_the_nearest() {
         let gaze = StudyGaze::record(1);
         let camera = study_camera(0.0, 1);

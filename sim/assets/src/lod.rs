@@ -13,7 +13,8 @@ use crate::{Mesh, Similarity};
 pub struct LevelOfDetail {
     /// Which of the scene's meshes, the finest first.
     pub meshes: Range<usize>,
-    /// For each of them: no point of the shape is farther from the mesh, object space \[m\].
+    /// For each of them: no point of the shape is farther from the mesh, nor, where that is estimated, the
+    /// mesh's shading from where the shape has it, object space \[m\].
     pub deviations_m: Vec<f64>,
     /// MinDistSq and MaxDistSq \[m²\], from the eye to the object's origin.
     pub distance_sq_m2: [f64; 2],
@@ -48,8 +49,8 @@ pub enum LodRule {
     ///
     /// What this changes: outlines by less than half a sample straight ahead. At an angle θ off the axis
     /// samples subtend less and it is at most 1/cos²θ times that (1.24 in the corners of the study's
-    /// display). Normals and texture coordinates are interpolated over larger triangles; no bound is
-    /// claimed for what shading makes of that.
+    /// display). What normals make of light moves by about as much; for it, and for texture coordinates
+    /// over larger triangles, no bound is claimed.
     #[default]
     Footprint,
 }

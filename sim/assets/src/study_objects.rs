@@ -89,7 +89,10 @@ pub(crate) fn ladders(meshes: &mut Vec<Mesh>) -> Vec<LevelOfDetail> {
         .map(|shape| {
             let first = meshes.len();
             let ladder = tessellation_ladder(shape, MOST_TRIANGLES[0], COARSEST_TRIANGLES);
-            let deviations_m = ladder.iter().map(|step| step.deviation_m).collect();
+            let deviations_m = ladder
+                .iter()
+                .map(|step| step.deviation_m.max(step.shading_m))
+                .collect();
             meshes.extend(ladder.into_iter().map(|step| step.mesh));
             LevelOfDetail {
                 meshes: first..meshes.len(),

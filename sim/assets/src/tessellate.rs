@@ -10,6 +10,10 @@ pub struct Tessellation {
     pub mesh: Mesh,
     /// No point of the surface is farther from the mesh \[m\].
     pub deviation_m: f64,
+    /// How far interpolated normals are from where the surface has them \[m\], an estimate: at the middles
+    /// of sides, the difference of the unit normals times half the side. It shrinks with the third power
+    /// of the side where a surface is smooth; along an edge it is a quarter or so of the triangles there.
+    pub shading_m: f64,
 }
 
 /// Triangles of neighbouring steps of a ladder differ by this ratio, up to rounding: with the nearer
@@ -53,6 +57,7 @@ pub fn tessellation_ladder(
             ladder.push(Tessellation {
                 mesh: lattice.mesh(),
                 deviation_m: lattice.deviation_m(),
+                shading_m: lattice.shading_m(),
             });
         }
         wanted /= RATIO;
@@ -217,6 +222,22 @@ impl Lattice {
         1.125 * largest
     }
 
+    /// See [`Tessellation::shading_m`].
+    fn shading_m(&self) -> f64 {
+        let mut largest: f64 = 0.0;
+        for j in 0..self.along {
+            for i in 0..self.surface.distinct_columns(self.around) {
+                let from = self.at(2 * i, 2 * j);
+                for (du, dv) in [(1, 0), (0, 1), (1, 1)] {
+                    let middle = self.at(2 * i + du, 2 * j + dv).1;
+                    let to = self.at(2 * (i + du), 2 * (j + dv));
+                    largest = largest.max(normal_offset(from, to, middle));
+                }
+            }
+        }
+        largest
+    }
+
     /// How far the surface is from the mesh \[m\] at the middle of each square's lower side, left side
     /// and diagonal, row by row; of the row beyond the last, lower sides alone.
     fn middles(&self, columns: u32) -> Vec<[f64; 3]> {
@@ -247,6 +268,13 @@ impl Lattice {
         }
         middles
     }
+}
+
+/// Half a side's length times the difference between the normal at its middle and the mean of those at
+/// its ends.
+fn normal_offset(from: (DVec3, DVec3), to: (DVec3, DVec3), middle: DVec3) -> f64 {
+    let mean = (from.1 + to.1).normalize_or_zero();
+    0.5 * from.0.distance(to.0) * (mean - middle).length()
 }
 
 /// The largest of 4·(λ₁λ₂a + λ₂λ₃b + λ₃λ₁c) over a triangle: with 2√a, 2√b, 2√c as lengths of sides, the

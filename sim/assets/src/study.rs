@@ -323,7 +323,7 @@ mod tests {
         let inner = mean(detail(LodRule::Distance, false));
         let outer = mean(detail(LodRule::Distance, true));
         let footprint = mean(detail(LodRule::Footprint, false));
-        println!(
+        eprintln!(
             "{inner:.0} triangles in view, {outer:.0} of the outer layer, {footprint:.0} by footprint"
         );
         assert!((235_000.0..265_000.0).contains(&inner), "{inner}");

@@ -104,7 +104,6 @@ mod tests {
                 }
                 last = target;
             }
-            println!("seed {seed}: {changes} targets, {ahead} frames ahead");
             // 160 m through rows 8 m apart: an object or two a row, and the edges of the display.
             assert!((20..150).contains(&changes), "{changes}");
             // Beyond the last row there is nothing left to look at.

@@ -36,7 +36,6 @@ fn the_environment_map_shows_the_sky_it_was_made_of() {
             let pairs = a.rgb.iter().flatten().zip(b.rgb.iter().flatten());
             let off: f64 = pairs.map(|(a, b)| f64::from((a - b).abs())).sum();
             let off = off / (3 * a.rgb.len()) as f64;
-            println!("pitch {pitch}, {width} px: {off:.5}");
             assert!(off < blur * largest, "pitch {pitch}, {width} px: {off}");
         }
     }

@@ -323,9 +323,6 @@ mod tests {
         let inner = mean(detail(LodRule::Distance, false));
         let outer = mean(detail(LodRule::Distance, true));
         let footprint = mean(detail(LodRule::Footprint, false));
-        eprintln!(
-            "{inner:.0} triangles in view, {outer:.0} of the outer layer, {footprint:.0} by footprint"
-        );
         assert!((235_000.0..265_000.0).contains(&inner), "{inner}");
         assert!((0.35..0.6).contains(&(outer / inner)), "{outer}");
         assert!(footprint < 0.75 * inner, "{footprint}");

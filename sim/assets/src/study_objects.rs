@@ -38,7 +38,7 @@ const FEWEST_TRIANGLES: u32 = 400;
 /// Ladders go on to this many triangles for samples too coarse to show more.
 const COARSEST_TRIANGLES: u32 = 100;
 /// MinDistSq and MaxDistSq, as distances \[m\]. The paper gives neither; these make about 250,000
-/// triangles in view in the mean of the fly-through, as it reports.
+/// triangles in view in the mean of the fly-through, as it reports (249,277 with seed 1).
 const DISTANCE_M: [f64; 2] = [6.0, 58.0];
 /// Triangles of the mesh that stands for a whole ladder.
 const TYPICAL_TRIANGLES: usize = 1500;

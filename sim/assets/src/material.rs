@@ -38,6 +38,20 @@ pub struct Terrain {
     pub octaves: u32,
     /// Height above which snow lies \[m\].
     pub snow_line_m: f32,
+    /// How much work each sample is.
+    pub detail: TerrainDetail,
+}
+
+/// How much work a sample of [`Terrain`] is (Guenter et al. 2012, Table 1: "Cheap Terrain replaces the
+/// procedural shading on the terrain with a simpler version").
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum TerrainDetail {
+    /// Four fractals (colour at two scales, relief along two axes), `octaves` each: 32 evaluations of
+    /// noise with the study's 8, fewer where the footprint cannot show them.
+    #[default]
+    Procedural,
+    /// The same ground from one evaluation of noise, without relief.
+    Cheap,
 }
 
 /// A lit surface (diffuse plus one microfacet lobe plus the reflected sky).

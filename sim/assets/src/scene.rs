@@ -1,8 +1,10 @@
+use std::sync::Arc;
+
 use foveasim_models::Pose;
 use glam::DVec3;
 use thiserror::Error;
 
-use crate::{Material, Mesh, Sky, Sun};
+use crate::{Detail, LevelOfDetail, Material, Mesh, Sky, Sun};
 
 /// Rotate, scale evenly, move.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -16,8 +18,11 @@ pub struct Similarity {
 /// A mesh somewhere in the world, made of something.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Instance {
-    /// Index of the mesh.
+    /// Index of the mesh; with `lod`, of the one among its meshes that stands for them all where no
+    /// detail is asked for.
     pub mesh: usize,
+    /// Index of the level of detail that the mesh is chosen from, if there is a choice.
+    pub lod: Option<usize>,
     /// Index of the material.
     pub material: usize,
     /// Object to world coordinates.
@@ -26,10 +31,11 @@ pub struct Instance {
     pub two_sided: bool,
 }
 
-/// Everything there is to see. Checked when built, immutable after.
+/// Everything there is to see. Checked when built, immutable after. A clone shares the meshes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
-    meshes: Vec<Mesh>,
+    meshes: Arc<[Mesh]>,
+    lods: Arc<[LevelOfDetail]>,
     instances: Vec<Instance>,
     materials: Vec<Material>,
     sky: Sky,
@@ -39,17 +45,35 @@ pub struct Scene {
 /// Why parts do not make a scene.
 #[derive(Debug, Clone, PartialEq, Error)]
 pub enum SceneError {
-    /// An instance names a mesh or a material that is not there.
+    /// An instance names a mesh, a material or a level of detail that is not there.
     #[error("instance {instance} names {what} {index}: there are {count}, counted from 0")]
     Reference {
         /// Which instance, from 0.
         instance: usize,
-        /// `mesh` or `material`.
+        /// `mesh`, `material` or `level of detail`.
         what: &'static str,
         /// The index given.
         index: usize,
         /// How many there are.
         count: usize,
+    },
+    /// A level of detail does not make sense.
+    #[error("level of detail {lod} {valid}")]
+    Lod {
+        /// Which one, from 0.
+        lod: usize,
+        /// What would be valid.
+        valid: &'static str,
+    },
+    /// An instance's mesh is not among those of its level of detail.
+    #[error("instance {instance} has mesh {mesh}: its level of detail {lod} has others")]
+    NotOfLod {
+        /// Which instance, from 0.
+        instance: usize,
+        /// Its mesh.
+        mesh: usize,
+        /// Its level of detail.
+        lod: usize,
     },
     /// An instance is placed by numbers that are not finite, or scaled by none above zero.
     #[error(
@@ -106,7 +130,7 @@ impl Similarity {
 }
 
 impl Scene {
-    /// A scene of its parts.
+    /// A scene of its parts, each instance of one mesh.
     ///
     /// # Errors
     /// If an instance names what does not exist, or a number is out of range.
@@ -117,10 +141,35 @@ impl Scene {
         sky: Sky,
         sun: Sun,
     ) -> Result<Self, SceneError> {
+        Self::with_lods(meshes, Vec::new(), instances, materials, sky, sun)
+    }
+
+    /// A scene of its parts, some instances with meshes to choose from.
+    ///
+    /// # Errors
+    /// If an instance or a level of detail names what does not exist, or a number is out of range.
+    pub fn with_lods(
+        meshes: Vec<Mesh>,
+        lods: Vec<LevelOfDetail>,
+        instances: Vec<Instance>,
+        materials: Vec<Material>,
+        sky: Sky,
+        sun: Sun,
+    ) -> Result<Self, SceneError> {
+        for (lod, level) in lods.iter().enumerate() {
+            if let Some(valid) = level.fault(&meshes) {
+                return Err(SceneError::Lod { lod, valid });
+            }
+        }
         for (instance, i) in instances.iter().enumerate() {
             let named = [
                 ("mesh", i.mesh, meshes.len()),
                 ("material", i.material, materials.len()),
+                (
+                    "level of detail",
+                    i.lod.unwrap_or(0),
+                    i.lod.map_or(1, |_| lods.len()),
+                ),
             ];
             for (what, index, count) in named {
                 if index >= count {
@@ -131,6 +180,14 @@ impl Scene {
                         count,
                     });
                 }
+            }
+            if let Some(lod) = i.lod.filter(|&lod| !lods[lod].meshes.contains(&i.mesh)) {
+                let mesh = i.mesh;
+                return Err(SceneError::NotOfLod {
+                    instance,
+                    mesh,
+                    lod,
+                });
             }
             if !i.world_from_object.is_valid() {
                 return Err(SceneError::Placement { instance });
@@ -147,7 +204,8 @@ impl Scene {
             return Err(SceneError::Light("sun"));
         }
         let scene = Self {
-            meshes,
+            meshes: meshes.into(),
+            lods: lods.into(),
             instances,
             materials,
             sky,
@@ -166,6 +224,23 @@ impl Scene {
     /// All meshes.
     pub fn meshes(&self) -> &[Mesh] {
         &self.meshes
+    }
+
+    /// All levels of detail.
+    pub fn lods(&self) -> &[LevelOfDetail] {
+        &self.lods
+    }
+
+    /// Index of the mesh to draw of instance `instance` for an eye at `eye`, world \[m\].
+    ///
+    /// # Panics
+    /// If there is no such instance.
+    pub fn mesh_for(&self, instance: usize, eye: DVec3, detail: Detail) -> usize {
+        let i = &self.instances[instance];
+        match i.lod {
+            Some(lod) => self.lods[lod].mesh(&self.meshes, &i.world_from_object, eye, detail),
+            None => i.mesh,
+        }
     }
 
     /// All instances; their order is the order of triangle identifiers.
@@ -188,11 +263,12 @@ impl Scene {
         &self.sun
     }
 
-    /// Triangles of all instances.
+    /// Triangles of all instances, each at its finest.
     pub fn triangle_count(&self) -> u64 {
+        let finest = |i: &Instance| i.lod.map_or(i.mesh, |lod| self.lods[lod].meshes.start);
         self.instances
             .iter()
-            .map(|i| self.meshes[i.mesh].triangles().len() as u64)
+            .map(|i| self.meshes[finest(i)].triangles().len() as u64)
             .sum()
     }
 }

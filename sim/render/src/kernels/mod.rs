@@ -1,6 +1,7 @@
 //! Hot loops, one source for every vector width.
 
 mod dispatch;
+mod environment;
 pub(crate) mod lanes;
 mod noise;
 mod phong;

@@ -1,5 +1,5 @@
 use fearless_simd::prelude::*;
-use foveasim_assets::{Material, Scene, Sky};
+use foveasim_assets::{Material, Scene};
 use foveasim_models::{Msaa, Pose};
 use glam::{DMat3, DVec3};
 
@@ -53,21 +53,14 @@ impl Light {
     fn new(scene: &Scene) -> Self {
         let sun = scene.sun();
         let d = sun.direction.normalize();
-        let (ambient_up, ambient_down, fog, per_visibility_m) = match scene.sky() {
-            Sky::Analytic(a) => {
-                let up = std::array::from_fn(|i| 0.55 * a.zenith[i] + 0.30 * a.horizon[i]);
-                (up, [0.075, 0.085, 0.045], a.horizon, 1.0 / 420.0)
-            }
-            Sky::Uniform(c) => (*c, *c, *c, 0.0),
-            _ => ([0.0; 3], [0.0; 3], [0.0; 3], 0.0),
-        };
+        let sky = scene.sky().light();
         Self {
             sun_direction: [d.x as f32, d.y as f32, d.z as f32],
             sun_radiance: sun.radiance,
-            ambient_up,
-            ambient_down,
-            fog,
-            per_visibility_m,
+            ambient_up: sky.ambient_up,
+            ambient_down: sky.ambient_down,
+            fog: sky.haze,
+            per_visibility_m: sky.per_visibility_m,
         }
     }
 

@@ -23,6 +23,9 @@ pub struct AnalyticSky {
     pub mountains: [f32; 3],
     /// Share of the sky under clouds, 0 to 1.
     pub cloud_cover: f32,
+    /// Distance at which a surface keeps half of its colour, the rest being the horizon's \[m\];
+    /// infinite in clear air.
+    pub visibility_m: f32,
 }
 
 /// A directional light.
@@ -45,6 +48,7 @@ impl Sky {
             Self::Analytic(a) => {
                 [a.zenith, a.horizon, a.mountains].iter().all(colour)
                     && (0.0..=1.0).contains(&a.cloud_cover)
+                    && a.visibility_m > 0.0
             }
         }
     }

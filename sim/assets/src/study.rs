@@ -73,19 +73,26 @@ pub fn study_scene(seed: u64) -> Scene {
             ));
         }
     }
-    let sky = AnalyticSky {
-        seed: ground_seed,
+    let sky = Sky::Analytic(study_sky(seed));
+    Scene::new(meshes, instances, materials, sky, STUDY_SUN).expect("generated parts fit together")
+}
+
+/// The sun of the study scene: from the right, in front and above.
+pub const STUDY_SUN: Sun = Sun {
+    direction: DVec3::new(0.45, 0.62, 0.64),
+    radiance: [0.95, 0.88, 0.76],
+};
+
+/// The sky of the study scene, with the haze of a landscape of some 400 m.
+pub fn study_sky(seed: u64) -> AnalyticSky {
+    AnalyticSky {
+        seed: ground_seed(seed),
         zenith: [0.10, 0.24, 0.60],
         horizon: [0.55, 0.68, 0.86],
         mountains: [0.16, 0.20, 0.26],
         cloud_cover: 0.45,
-    };
-    let sun = Sun {
-        direction: DVec3::new(0.45, 0.62, 0.64),
-        radiance: [0.95, 0.88, 0.76],
-    };
-    Scene::new(meshes, instances, materials, Sky::Analytic(sky), sun)
-        .expect("generated parts fit together")
+        visibility_m: 420.0,
+    }
 }
 
 /// Where the eye is at `t` of the fly-through (0 to 1): along the street in the middle of the grid,

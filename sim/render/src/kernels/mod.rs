@@ -7,6 +7,8 @@ mod shade;
 mod sky;
 mod surface;
 mod terrain;
+mod texture;
+mod textured;
 mod vertices;
 mod visible;
 

@@ -8,6 +8,7 @@ use super::lanes::{F, Simd, V3, max, min, saturate, splat};
 use super::sky::{aerial, sky};
 use super::surface::surface;
 use super::terrain::terrain;
+use super::textured::textured;
 use crate::project::Projection;
 use crate::tile::{SampleTile, position_of};
 
@@ -51,7 +52,7 @@ impl Light {
         let (ambient_up, ambient_down, fog, per_visibility_m) = match scene.sky() {
             Sky::Analytic(a) => {
                 let up = std::array::from_fn(|i| 0.55 * a.zenith[i] + 0.30 * a.horizon[i]);
-                (up, [0.075, 0.085, 0.045], a.horizon, 1.0 / 420.0)
+                (up, [0.075, 0.085, 0.045], a.horizon, 1.0 / a.visibility_m)
             }
             Sky::Uniform(c) => (*c, *c, *c, 0.0),
             _ => ([0.0; 3], [0.0; 3], [0.0; 3], 0.0),
@@ -183,6 +184,15 @@ impl Kernel for ShadeTile<'_, '_> {
                 |block| {
                     let hit = block.hit(context, simd);
                     let colour = surface(simd, s, context.scene.sky(), &context.light, &hit);
+                    aerial(simd, &context.light, colour, block.distance(context, &hit))
+                },
+            ),
+            Some(Material::Textured(t)) => self.each_block(
+                simd,
+                #[inline(always)]
+                |block| {
+                    let hit = block.hit(context, simd);
+                    let colour = textured(simd, t, context.scene, &context.light, &hit);
                     aerial(simd, &context.light, colour, block.distance(context, &hit))
                 },
             ),

@@ -1,7 +1,7 @@
 use fearless_simd::prelude::*;
-use foveasim_assets::{Texture, Wrap};
+use foveasim_assets::{MipLevel, Texture, Wrap};
 
-use super::lanes::{F, Simd, V3, max, min, mix, saturate, splat};
+use super::lanes::{F, Simd, V3, max, min, saturate, splat};
 
 /// Linear red, green and blue of `texture` at `uv`, averaged over `footprint` [texture widths]:
 /// trilinear, each lane from the two mip levels whose texels are next to its footprint in size.
@@ -43,25 +43,38 @@ fn bilinear<S: Simd>(simd: S, texture: &Texture, uv: [F<S>; 2], level: [usize; 8
     let [u, v] = uv;
     let (columns, fraction_x) = neighbours(simd, u, levels.map(|l| l.size[0]), wrap[0]);
     let (rows, fraction_y) = neighbours(simd, v, levels.map(|l| l.size[1]), wrap[1]);
-    let corner = |row: [u32; 8], column: [u32; 8]| {
-        let table = texture.encoding().table();
-        let mut rgb = [[0.0; 8]; 3];
-        for i in 0..8 {
-            let place = levels[i].first + row[i] * levels[i].size[0] + column[i];
-            let texel = texture.texels()[place as usize];
-            for k in 0..3 {
-                rgb[k][i] = table[usize::from(texel[k])];
-            }
-        }
+    let corner = |row: usize, column: usize| {
+        let [x, y, z] = fetch(texture, &levels, &rows[row], &columns[column]);
         V3 {
-            x: F::from_slice(simd, &rgb[0]),
-            y: F::from_slice(simd, &rgb[1]),
-            z: F::from_slice(simd, &rgb[2]),
+            x: F::from_slice(simd, &x),
+            y: F::from_slice(simd, &y),
+            z: F::from_slice(simd, &z),
         }
     };
-    let upper = corner(rows[0], columns[0]).mix(corner(rows[0], columns[1]), fraction_x);
-    let lower = corner(rows[1], columns[0]).mix(corner(rows[1], columns[1]), fraction_x);
+    let upper = corner(0, 0).mix(corner(0, 1), fraction_x);
+    let lower = corner(1, 0).mix(corner(1, 1), fraction_x);
     upper.mix(lower, fraction_y)
+}
+
+/// Linear red, green and blue of a texel for each lane. Nothing here is gained by vectors, so it is
+/// one function for all of their widths.
+#[inline(never)]
+fn fetch(
+    texture: &Texture,
+    levels: &[MipLevel; 8],
+    row: &[u32; 8],
+    column: &[u32; 8],
+) -> [[f32; 8]; 3] {
+    let table = texture.encoding().table();
+    let mut rgb = [[0.0; 8]; 3];
+    for i in 0..8 {
+        let place = levels[i].first + row[i] * levels[i].size[0] + column[i];
+        let texel = texture.texels()[place as usize];
+        for k in 0..3 {
+            rgb[k][i] = table[usize::from(texel[k])];
+        }
+    }
+    rgb
 }
 
 /// The two texels on either side of `coordinate`, and the share of the second.

@@ -1,4 +1,3 @@
-use fearless_simd::prelude::*;
 use foveasim_assets::{Scene, Textured};
 
 use super::lanes::{F, Simd, V3, max, mix, splat};

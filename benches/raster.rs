@@ -79,6 +79,7 @@ fn scene() -> Scene {
             material: 0,
             world_from_object: Similarity::at(p),
             two_sided: false,
+            lod: None,
         });
     };
     for i in 0..20 {
@@ -101,7 +102,14 @@ fn scene() -> Scene {
         radiance: [1.0; 3],
     };
     let meshes = vec![sphere(), torus(), ground()];
-    Scene::new(meshes, instances, vec![material], Sky::Uniform([0.0; 3]), sun).expect("a scene")
+    Scene::new(
+        meshes,
+        instances,
+        vec![material],
+        Sky::Uniform([0.0; 3]),
+        sun,
+    )
+    .expect("a scene")
 }
 
 /// The camera of frame `k`: a step to the side for each, about the place of the comparison's camera.
@@ -120,7 +128,11 @@ fn view(k: u32) -> View {
 fn main() {
     let args: Vec<String> = std::env::args().collect();
     let has = |flag: &str| args.iter().any(|a| a == flag);
-    let value = |flag: &str| args.iter().position(|a| a == flag).and_then(|i| args.get(i + 1));
+    let value = |flag: &str| {
+        args.iter()
+            .position(|a| a == flag)
+            .and_then(|i| args.get(i + 1))
+    };
     // `cargo test --benches` runs this with other arguments: one frame will do.
     let frames: u32 = value("--frames").and_then(|n| n.parse().ok()).unwrap_or(1);
     let scene = scene();

@@ -10,6 +10,7 @@ mod presets;
 mod render;
 mod replay;
 mod run;
+mod scene;
 mod trace;
 
 use std::process::ExitCode;

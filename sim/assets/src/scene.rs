@@ -4,7 +4,7 @@ use foveasim_models::Pose;
 use glam::DVec3;
 use thiserror::Error;
 
-use crate::{Detail, LevelOfDetail, Material, Mesh, Sky, Sun};
+use crate::{Detail, LevelOfDetail, Material, Mesh, Motion, Sky, Sun, Texture};
 
 /// Rotate, scale evenly, move.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -31,15 +31,38 @@ pub struct Instance {
     pub two_sided: bool,
 }
 
-/// Everything there is to see. Checked when built, immutable after. A clone shares the meshes.
+/// Everything there is to see. Checked when built, immutable after; copies share meshes and textures.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scene {
     meshes: Arc<[Mesh]>,
     lods: Arc<[LevelOfDetail]>,
+    textures: Arc<[Texture]>,
+    motions: Arc<[Motion]>,
     instances: Vec<Instance>,
     materials: Vec<Material>,
     sky: Sky,
     sun: Sun,
+}
+
+/// What a [`Scene`] is made of.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SceneParts {
+    /// Triangles.
+    pub meshes: Vec<Mesh>,
+    /// Meshes that stand for one shape.
+    pub lods: Vec<LevelOfDetail>,
+    /// Where they are.
+    pub instances: Vec<Instance>,
+    /// What they are made of.
+    pub materials: Vec<Material>,
+    /// Pictures that materials name.
+    pub textures: Vec<Texture>,
+    /// How instances move; those not named stay where they are.
+    pub motions: Vec<Motion>,
+    /// What is seen where no triangle is.
+    pub sky: Sky,
+    /// The sun.
+    pub sun: Sun,
 }
 
 /// Why parts do not make a scene.
@@ -76,9 +99,7 @@ pub enum SceneError {
         lod: usize,
     },
     /// An instance is placed by numbers that are not finite, or scaled by none above zero.
-    #[error(
-        "instance {instance} has no usable placement: finite position within ±1e6 m, unit rotation and scale from 1e-6 to 1e6 are needed"
-    )]
+    #[error("instance {instance} has no usable placement: {}", Similarity::VALID)]
     Placement {
         /// Which instance, from 0.
         instance: usize,
@@ -90,6 +111,29 @@ pub enum SceneError {
         material: usize,
         /// The material, as text.
         value: String,
+    },
+    /// A material names a texture that is not there.
+    #[error("material {material} names texture {texture}: there are {count}, counted from 0")]
+    Texture {
+        /// Which material, from 0.
+        material: usize,
+        /// The index given.
+        texture: usize,
+        /// How many textures there are.
+        count: usize,
+    },
+    /// A motion names an instance that is not there, or takes one out of range.
+    #[error(
+        "motion {motion} names instance {instance} of {count}, or leaves the usable placements: {}",
+        Similarity::VALID
+    )]
+    Motion {
+        /// Which motion, from 0.
+        motion: usize,
+        /// The instance it names.
+        instance: usize,
+        /// How many instances there are.
+        count: usize,
     },
     /// Sky or sun have a number that is not finite or negative.
     #[error("{0} must have finite colours of 0 or more and a direction longer than zero")]
@@ -107,6 +151,16 @@ pub enum SceneError {
 }
 
 impl Similarity {
+    /// Not moved.
+    pub const IDENTITY: Self = Self {
+        pose: Pose::IDENTITY,
+        scale: 1.0,
+    };
+
+    /// What a usable placement is.
+    pub(crate) const VALID: &str =
+        "finite position within ±1e6 m, unit rotation and scale from 1e-6 to 1e6 are needed";
+
     /// Only moved.
     pub fn at(position: DVec3) -> Self {
         Self {
@@ -120,17 +174,45 @@ impl Similarity {
         self.pose.point(p * self.scale)
     }
 
-    fn is_valid(&self) -> bool {
+    /// `a_from_b.then(b_from_c)` is `a_from_c`.
+    #[must_use]
+    pub fn then(self, inner: Self) -> Self {
+        Self {
+            pose: Pose {
+                position: self.point(inner.pose.position),
+                orientation: (self.pose.orientation * inner.pose.orientation).normalize(),
+            },
+            scale: self.scale * inner.scale,
+        }
+    }
+
+    /// Between this (`f = 0`) and `other` (`f = 1`): see [`Pose::interpolate`]; linear in scale.
+    #[must_use]
+    pub fn interpolate(self, other: Self, f: f64) -> Self {
+        Self {
+            pose: self.pose.interpolate(other.pose, f),
+            scale: self.scale + (other.scale - self.scale) * f,
+        }
+    }
+
+    pub(crate) fn is_valid(&self) -> bool {
         let p = self.pose.position;
-        p.is_finite()
-            && p.abs().max_element() <= 1e6
-            && (self.pose.orientation.length() - 1.0).abs() < 1e-6
-            && (1e-6..=1e6).contains(&self.scale)
+        let far = if p.is_finite() {
+            p.abs().max_element()
+        } else {
+            f64::INFINITY
+        };
+        Self::in_range(far, self.scale) && (self.pose.orientation.length() - 1.0).abs() < 1e-6
+    }
+
+    /// Whether a placement so far out and so large is usable.
+    pub(crate) fn in_range(far: f64, scale: f64) -> bool {
+        far <= 1e6 && (1e-6..=1e6).contains(&scale)
     }
 }
 
 impl Scene {
-    /// A scene of its parts, each instance of one mesh.
+    /// A scene without textures or levels of detail in which nothing moves.
     ///
     /// # Errors
     /// If an instance names what does not exist, or a number is out of range.
@@ -141,21 +223,33 @@ impl Scene {
         sky: Sky,
         sun: Sun,
     ) -> Result<Self, SceneError> {
-        Self::with_lods(meshes, Vec::new(), instances, materials, sky, sun)
+        Self::build(SceneParts {
+            meshes,
+            lods: Vec::new(),
+            instances,
+            materials,
+            textures: Vec::new(),
+            motions: Vec::new(),
+            sky,
+            sun,
+        })
     }
 
-    /// A scene of its parts, some instances with meshes to choose from.
+    /// A scene of its parts. Instances that move are placed as at time 0.
     ///
     /// # Errors
-    /// If an instance or a level of detail names what does not exist, or a number is out of range.
-    pub fn with_lods(
-        meshes: Vec<Mesh>,
-        lods: Vec<LevelOfDetail>,
-        instances: Vec<Instance>,
-        materials: Vec<Material>,
-        sky: Sky,
-        sun: Sun,
-    ) -> Result<Self, SceneError> {
+    /// If a part names what does not exist, or a number is out of range.
+    pub fn build(parts: SceneParts) -> Result<Self, SceneError> {
+        let SceneParts {
+            meshes,
+            lods,
+            instances,
+            materials,
+            textures,
+            motions,
+            sky,
+            sun,
+        } = parts;
         for (lod, level) in lods.iter().enumerate() {
             if let Some(valid) = level.fault(&meshes) {
                 return Err(SceneError::Lod { lod, valid });
@@ -197,6 +291,27 @@ impl Scene {
             let value = format!("{:?}", materials[material]);
             return Err(SceneError::Material { material, value });
         }
+        for (material, m) in materials.iter().enumerate() {
+            let Material::Textured(t) = m else { continue };
+            if let Some(texture) = t.textures().find(|&i| i >= textures.len()) {
+                let count = textures.len();
+                return Err(SceneError::Texture {
+                    material,
+                    texture,
+                    count,
+                });
+            }
+        }
+        for (motion, m) in motions.iter().enumerate() {
+            let (instance, count) = (m.instance, instances.len());
+            if instance >= count || !m.is_valid() {
+                return Err(SceneError::Motion {
+                    motion,
+                    instance,
+                    count,
+                });
+            }
+        }
         if !sky.is_valid() {
             return Err(SceneError::Light("sky"));
         }
@@ -206,6 +321,8 @@ impl Scene {
         let scene = Self {
             meshes: meshes.into(),
             lods: lods.into(),
+            textures: textures.into(),
+            motions: motions.into(),
             instances,
             materials,
             sky,
@@ -218,7 +335,17 @@ impl Scene {
                 instances,
             });
         }
-        Ok(scene)
+        Ok(scene.at(0.0))
+    }
+
+    /// The scene as it is at `seconds`. Costs a copy of the instances; the rest is shared.
+    #[must_use]
+    pub fn at(&self, seconds: f64) -> Self {
+        let mut scene = self.clone();
+        for motion in self.motions.iter() {
+            scene.instances[motion.instance].world_from_object = motion.at(seconds);
+        }
+        scene
     }
 
     /// All meshes.
@@ -248,6 +375,16 @@ impl Scene {
         &self.instances
     }
 
+    /// All textures.
+    pub fn textures(&self) -> &[Texture] {
+        &self.textures
+    }
+
+    /// How instances move.
+    pub fn motions(&self) -> &[Motion] {
+        &self.motions
+    }
+
     /// All materials.
     pub fn materials(&self) -> &[Material] {
         &self.materials
@@ -270,5 +407,20 @@ impl Scene {
             .iter()
             .map(|i| self.meshes[finest(i)].triangles().len() as u64)
             .sum()
+    }
+
+    /// Least and greatest coordinates of all vertices in the world \[m\]; `None` without instances.
+    pub fn bounds(&self) -> Option<[DVec3; 2]> {
+        let mut bounds: Option<[DVec3; 2]> = None;
+        for instance in &self.instances {
+            let mesh = &self.meshes[instance.mesh];
+            for i in 0..mesh.vertex_count() as u32 {
+                let p = instance.world_from_object.point(mesh.position(i));
+                let [low, high] = bounds.get_or_insert([p, p]);
+                *low = low.min(p);
+                *high = high.max(p);
+            }
+        }
+        bounds
     }
 }

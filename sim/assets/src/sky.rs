@@ -27,6 +27,9 @@ pub struct AnalyticSky {
     pub mountains: [f32; 3],
     /// Share of the sky under clouds, 0 to 1.
     pub cloud_cover: f32,
+    /// Distance at which a surface keeps half of its colour, the rest being the horizon's \[m\];
+    /// infinite in clear air.
+    pub visibility_m: f32,
 }
 
 /// What a sky does to the surfaces under it.
@@ -77,6 +80,7 @@ impl Sky {
             Self::Analytic(a) => {
                 [a.zenith, a.horizon, a.mountains].iter().all(colour)
                     && (0.0..=1.0).contains(&a.cloud_cover)
+                    && a.visibility_m > 0.0
             }
             // Texels cannot hold anything else.
             Self::Map(m) => {
@@ -97,7 +101,7 @@ impl AnalyticSky {
             ambient_up: std::array::from_fn(|i| 0.55 * self.zenith[i] + 0.30 * self.horizon[i]),
             ambient_down: [0.075, 0.085, 0.045],
             haze: self.horizon,
-            per_visibility_m: 1.0 / 420.0,
+            per_visibility_m: 1.0 / self.visibility_m,
         }
     }
 }

@@ -3,8 +3,8 @@ use foveasim_models::{Pose, Role, Stream};
 use glam::{DQuat, DVec3};
 
 use crate::{
-    AnalyticSky, EnvironmentMap, Instance, Material, Scene, Similarity, Sky, Sun, Terrain,
-    TerrainDetail, study_objects, terrain_height, terrain_mesh,
+    AnalyticSky, EnvironmentMap, Instance, Material, Scene, SceneParts, Similarity, Sky, Sun,
+    Terrain, TerrainDetail, study_objects, terrain_height, terrain_mesh,
 };
 
 /// Frames of the fly-through (Guenter 2012, §6: 5,377).
@@ -59,6 +59,24 @@ impl StudyContent {
     }
 }
 
+/// The sun of the study scene: from the right, in front and above.
+pub const STUDY_SUN: Sun = Sun {
+    direction: DVec3::new(0.45, 0.62, 0.64),
+    radiance: [0.95, 0.88, 0.76],
+};
+
+/// The sky of the study scene, with the haze of a landscape of some 400 m.
+pub fn study_sky(seed: u64) -> AnalyticSky {
+    AnalyticSky {
+        seed: ground_seed(seed),
+        zenith: [0.10, 0.24, 0.60],
+        horizon: [0.55, 0.68, 0.86],
+        mountains: [0.16, 0.20, 0.26],
+        cloud_cover: 0.45,
+        visibility_m: 420.0,
+    }
+}
+
 /// The study scene of Guenter et al. 2012, §5 and §6: procedurally shaded ground of 20,000 triangles,
 /// 20 × 20 parametric objects from diffuse to glossy floating above it, 20,000 triangles down to 400
 /// each by squared distance, and an environment map of mountains and clouds. The same seed gives the
@@ -69,20 +87,10 @@ pub fn study_scene(seed: u64) -> Scene {
 
 /// The study scene, or what a row of the paper's Table 1 leaves of it.
 pub fn study_scene_with(seed: u64, content: StudyContent) -> Scene {
-    let sun = Sun {
-        direction: DVec3::new(0.45, 0.62, 0.64),
-        radiance: [0.95, 0.88, 0.76],
-    };
     let ground_seed = ground_seed(seed);
-    let sky = AnalyticSky {
-        seed: ground_seed,
-        zenith: [0.10, 0.24, 0.60],
-        horizon: [0.55, 0.68, 0.86],
-        mountains: [0.16, 0.20, 0.26],
-        cloud_cover: 0.45,
-    };
+    let sky = study_sky(seed);
     let sky = if content < StudyContent::NoSkyBox {
-        Sky::Map(EnvironmentMap::of_sky(&sky, &sun, SKY_TEXELS))
+        Sky::Map(EnvironmentMap::of_sky(&sky, &STUDY_SUN, SKY_TEXELS))
     } else {
         Sky::Uniform(sky.horizon)
     };
@@ -119,8 +127,17 @@ pub fn study_scene_with(seed: u64, content: StudyContent) -> Scene {
             first_material,
         ));
     }
-    Scene::with_lods(meshes, lods, instances, materials, sky, sun)
-        .expect("generated parts fit together")
+    Scene::build(SceneParts {
+        meshes,
+        lods,
+        instances,
+        materials,
+        textures: Vec::new(),
+        motions: Vec::new(),
+        sky,
+        sun: STUDY_SUN,
+    })
+    .expect("generated parts fit together")
 }
 
 /// Where the eye is at `t` of the fly-through (0 to 1): along the street in the middle of the grid,

@@ -1,6 +1,8 @@
+use foveasim_assets::LodRule;
+
 use crate::RenderError;
 
-/// How to draw. Nothing here but `near_m` and `skip.back_faces` changes the picture. Made by changing the default:
+/// How to draw. Nothing here but `near_m`, `lod` and `skip.back_faces` changes the picture. Made by changing the default:
 /// `RenderOptions { simd, ..RenderOptions::default() }`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RenderOptions {
@@ -11,6 +13,9 @@ pub struct RenderOptions {
     /// Whether the frame keeps the samples of its passes beside its image, for what is made of them
     /// later. They can take several times the memory of the image; by default they are dropped.
     pub keep_passes: bool,
+    /// Which of an instance's levels of detail is drawn. Coarser ones change the picture, within the bounds
+    /// that [`LodRule`] gives.
+    pub lod: LodRule,
     /// What is left out because the picture does not need it.
     pub skip: Skip,
 }
@@ -75,6 +80,7 @@ impl Default for RenderOptions {
             simd: Simd::Auto,
             near_m: 0.05,
             keep_passes: false,
+            lod: LodRule::default(),
             skip: Skip::ALL,
         }
     }

@@ -1,4 +1,4 @@
-use foveasim_assets::Scene;
+use foveasim_assets::{Detail, Scene};
 use foveasim_models::{SamplePlan, View, Work};
 
 use crate::RenderOptions;
@@ -26,10 +26,16 @@ impl PassObjects {
     ) -> Self {
         let eye_from_world = view.poses[0].inverse();
         let projection = projection(view, &plan.passes[pass], options);
+        let detail = Detail {
+            rule: options.lod,
+            // The outermost of several layers has a curve of its own.
+            outermost: pass > 0 && pass + 1 == plan.passes.len(),
+            sample_tan: projection.tangent_step().abs().min_element(),
+        };
         let mut found = Vec::new();
         let mut work = Work::default();
-        for (index, instance) in scene.instances().iter().enumerate() {
-            let mesh = instance.mesh;
+        for index in 0..scene.instances().len() {
+            let mesh = scene.mesh_for(index, view.poses[0].position, detail);
             let at = bounds(scene, index, mesh, eye_from_world);
             if options.skip.outside && projection.misses_sphere(at.centre, at.radius) {
                 let triangles = scene.meshes()[mesh].triangles().len() as u64;

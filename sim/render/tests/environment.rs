@@ -18,6 +18,7 @@ fn the_environment_map_shows_the_sky_it_was_made_of() {
         horizon: [0.55, 0.68, 0.86],
         mountains: [0.16, 0.20, 0.26],
         cloud_cover: 0.45,
+        visibility_m: 420.0,
     };
     let map = EnvironmentMap::of_sky(&analytic, &sun(), 512);
     let scene = |sky| Scene::new(vec![], vec![], vec![], sky, sun()).unwrap();

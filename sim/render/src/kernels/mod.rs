@@ -9,6 +9,8 @@ mod shade;
 mod sky;
 mod surface;
 mod terrain;
+mod texture;
+mod textured;
 mod triangles;
 mod vertices;
 mod visible;

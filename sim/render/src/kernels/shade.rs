@@ -9,6 +9,7 @@ use super::phong::phong;
 use super::sky::{aerial, sky};
 use super::surface::surface;
 use super::terrain::terrain;
+use super::textured::textured;
 use crate::fragments::{Fragment, Fragments, SKY};
 use crate::project::Projection;
 use crate::raster::Needs;
@@ -184,6 +185,15 @@ impl Kernel for ShadeTile<'_, '_> {
                 |eight| {
                     let hit = eight.hit(context, simd, needs);
                     phong(simd, p, &context.light, &hit)
+                },
+            ),
+            Some(Material::Textured(t)) => self.each_eight(
+                simd,
+                #[inline(always)]
+                |eight| {
+                    let hit = eight.hit(context, simd, needs);
+                    let colour = textured(simd, t, scene, &context.light, &hit);
+                    aerial(simd, &context.light, colour, eight.distance(context, &hit))
                 },
             ),
             Some(Material::Unlit(colour)) => {

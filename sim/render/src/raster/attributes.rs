@@ -23,6 +23,7 @@ impl Needs {
                 Pattern::Checker | Pattern::Stripes => (false, true),
                 _ => (true, false),
             },
+            Material::Textured(_) => (false, true),
             _ => (true, true),
         };
         Self { object, uv }

@@ -16,14 +16,28 @@ pub struct Work {
     pub triangles_outside: u64,
     /// … of which set up for rasterization (near-plane clipping may make two of one).
     pub triangles_set_up: u64,
-    /// Samples tested against triangle edges: all lanes of every block dispatched.
+    /// Times that a triangle was left out of a tile because all there is nearer.
+    pub triangles_occluded: u64,
+    /// Cells of 8 × 8 samples that a triangle was left out of because all there is nearer.
+    pub cells_occluded: u64,
+    /// Samples that are not drawn because nothing of them is seen: outside the pass's region.
+    pub samples_dead: u64,
+    /// Samples that are not drawn because inner layers hide them.
+    pub samples_hidden: u64,
+    /// Positions of visibility tested against triangle edges: all lanes of every block dispatched.
     pub samples_tested: u64,
     /// … of which inside the triangle.
     pub samples_covered: u64,
-    /// Samples shaded as surface: exactly the visible ones.
+    /// Quads of 2 × 2 samples in which a triangle passed the depth test, counted for each position of
+    /// visibility: what a GPU with early depth test would launch, if triangles came in this order.
+    pub quads: u64,
+    /// Times that a surface was shaded: once for each sample (or block of coarse shading) and each
+    /// triangle visible in it.
     pub samples_shaded: u64,
-    /// Samples shaded as sky.
+    /// Times that the sky was shaded.
     pub samples_sky: u64,
+    /// Samples put together from several positions because an edge crosses them.
+    pub samples_with_edge: u64,
     /// Display pixels reconstructed from passes.
     pub pixels_resolved: u64,
     /// Pass samples read while reconstructing (four per bilinear fetch).
@@ -32,7 +46,7 @@ pub struct Work {
 
 impl Work {
     /// Names and values, in a fixed order, for tables.
-    pub fn rows(&self) -> [(&'static str, u64); 12] {
+    pub fn rows(&self) -> [(&'static str, u64); 18] {
         [
             ("passes", self.passes),
             ("vertices", self.vertices),
@@ -40,16 +54,22 @@ impl Work {
             ("triangles_back_facing", self.triangles_back_facing),
             ("triangles_outside", self.triangles_outside),
             ("triangles_set_up", self.triangles_set_up),
+            ("triangles_occluded", self.triangles_occluded),
+            ("cells_occluded", self.cells_occluded),
+            ("samples_dead", self.samples_dead),
+            ("samples_hidden", self.samples_hidden),
             ("samples_tested", self.samples_tested),
             ("samples_covered", self.samples_covered),
+            ("quads", self.quads),
             ("samples_shaded", self.samples_shaded),
             ("samples_sky", self.samples_sky),
+            ("samples_with_edge", self.samples_with_edge),
             ("pixels_resolved", self.pixels_resolved),
             ("resolve_fetches", self.resolve_fetches),
         ]
     }
 
-    /// All samples whose colour was computed.
+    /// Times that a colour was computed.
     pub fn samples(&self) -> u64 {
         self.samples_shaded + self.samples_sky
     }
@@ -63,10 +83,16 @@ impl AddAssign for Work {
         self.triangles_back_facing += o.triangles_back_facing;
         self.triangles_outside += o.triangles_outside;
         self.triangles_set_up += o.triangles_set_up;
+        self.triangles_occluded += o.triangles_occluded;
+        self.cells_occluded += o.cells_occluded;
+        self.samples_dead += o.samples_dead;
+        self.samples_hidden += o.samples_hidden;
         self.samples_tested += o.samples_tested;
         self.samples_covered += o.samples_covered;
+        self.quads += o.quads;
         self.samples_shaded += o.samples_shaded;
         self.samples_sky += o.samples_sky;
+        self.samples_with_edge += o.samples_with_edge;
         self.pixels_resolved += o.pixels_resolved;
         self.resolve_fetches += o.resolve_fetches;
     }

@@ -58,6 +58,7 @@ fn requests() -> impl Strategy<Value = (Request, LayersSettings)> {
                     viewport: Viewport::new(UVec2::new(w, h), [-l, r, u, -d]).unwrap(),
                     acuity: Acuity::new(slope).unwrap(),
                     gaze: GazeDirection::new(az, el),
+                    ahead: GazeDirection::AHEAD,
                     margin_deg,
                 };
                 (request, settings)
@@ -309,6 +310,7 @@ fn coarse_displays_merge_layers() {
         viewport: Viewport::symmetric(size, 0.2).unwrap(),
         acuity: Acuity::default(),
         gaze: GazeDirection::AHEAD,
+        ahead: GazeDirection::AHEAD,
         margin_deg: 0.0,
     };
     let plan = "layers:4"

@@ -11,6 +11,7 @@ mod render;
 mod replay;
 mod reproduce;
 mod run;
+mod scene;
 mod trace;
 
 use std::process::ExitCode;

@@ -41,6 +41,15 @@ pub(crate) fn pair(text: &str) -> Result<[f64; 2], String> {
     }
 }
 
+/// `X,Y,Z`: three numbers within a million of 0.
+pub(crate) fn triple(text: &str) -> Result<[f64; 3], String> {
+    let numbers: Option<Vec<f64>> = text.split(',').map(|v| v.trim().parse().ok()).collect();
+    match numbers.as_deref() {
+        Some(&[x, y, z]) if [x, y, z].iter().all(|v| v.abs() <= 1e6) => Ok([x, y, z]),
+        _ => Err("want three numbers X,Y,Z within ±1000000, as in 1.5,2,-3".into()),
+    }
+}
+
 /// A duration in milliseconds, from 0 to 10,000.
 pub(crate) fn milliseconds(flag: &str, ms: f64) -> Result<Nanos, Failure> {
     const MAX_MS: f64 = 10_000.0;

@@ -23,14 +23,28 @@ use super::{Context, Failure, options};
   foveasim plan --display quest-pro,quest-3 --method full,layers:3:strict --margin-deg 0..5:1
   foveasim plan --fov 90 --ppd centre:40,mean:40 --slope guenter-a,guenter-b,j:22
   foveasim plan --fov 90 --pixels 3840x2160 --gaze 0,1080 --gaze-mode fixed
+  foveasim plan --display quest-pro --method full,layers:3,vrs,fdm,rates,quad,quad:auto
+  foveasim plan --display quest-pro --method vrs,vrs:fixed,vrs:fixed=25
 
-Methods: full, layers:N (N from 1 to 16) with settings: strict or blending=paper, paper or
-coverage=exact, weights=half, s2=VALUE; as in layers:3:strict:s2=2.
+Methods, settings in brackets:
+  full
+  layers:N  eccentricity layers, N from 1 to 16 [strict or blending=paper; paper or coverage=exact;
+            weights=half; s2=VALUE], as in layers:3:strict:s2=2
+  vrs       variable-rate shading: visibility of every pixel [tile=8|16|32; max=1|2|4]
+  fdm       fragment density map: visibility is coarse as well [tile=8|16|32; max=1|2|4]
+  rates     a rate for each band of columns and of rows [bands=N, 1 to 256]
+  quad      a sharp rectangle on a coarser whole [focus=SHARE or auto; peripheral=SCALE]
+All but full may be fixed or fixed=DEG: straight ahead whatever the gaze, and as sharp as the eye
+wherever that looks within so many degrees (15). layers:N without strict and quad without auto do not
+promise to meet the acuity line everywhere.
 
 Columns: method_samples is the closed form and may be a fraction; plan_samples is the whole number
 that is drawn. sample_ratio counts every layer, sample_ratio_staggered those drawn in every second
-frame half. ideal_ratio is a density that falls off continuously: no method with the same acuity and
-margin saves more. extrapolated: the screen reaches farther from the gaze than slopes were measured.
+frame half. shading_ratio counts evaluations of shading, which vrs has fewer of than samples.
+ideal_ratio is a density that falls off continuously: no method with the same acuity and margin
+saves more. tracked_over_fixed: how many times more samples the method shades if fixed (fixed=15
+unless it says) than if tracked, of the same quality. extrapolated: the screen reaches farther from
+the gaze than slopes were measured.
 Where a display has two eyes, samples are those of both, pixels and layers those of one.")]
 pub(crate) struct Args {
     /// Presets or TOML files [default: a grid of flat displays]
@@ -74,7 +88,7 @@ pub(crate) struct Args {
         allow_hyphen_values = true
     )]
     gaze: String,
-    /// Whether layers follow the gaze: tracked or fixed
+    /// Whether tracked methods follow the gaze: tracked, or fixed at the centre as they are
     #[arg(long, value_name = "MODE", default_value = "tracked")]
     gaze_mode: String,
     /// How far gaze may be off without being noticed, in degrees
@@ -96,7 +110,7 @@ const DEFAULT_SHARPNESS: &str = "0.25,0.5,foveal";
 const DEFAULT_ASPECT: f64 = 0.5625;
 
 /// What people read on a terminal; CSV and JSON have all columns.
-const READABLE: [&str; 13] = [
+const READABLE: [&str; 15] = [
     "method",
     "display",
     "fov_h_deg",
@@ -107,7 +121,9 @@ const READABLE: [&str; 13] = [
     "margin_deg",
     "sample_ratio",
     "sample_ratio_staggered",
+    "shading_ratio",
     "ideal_ratio",
+    "tracked_over_fixed",
     "layer_radii_deg",
     "extrapolated",
 ];
@@ -192,7 +208,7 @@ impl Args {
                 .collect();
             let map = SweepRow::heatmap(
                 order.map(|(f, h)| row(f, h, method)),
-                format!("Times fewer samples with {name}"),
+                format!("Times fewer shaded samples with {name}"),
                 fovs.clone(),
                 (label, y),
             );

@@ -1,11 +1,11 @@
-use foveasim_assets::{STUDY_FRAMES, study_camera, study_scene};
 use foveasim_models::foveation::{Method, Request};
 use foveasim_models::math::tan_deg;
-use foveasim_models::{Display, Geometry, Viewport, unknown_name};
+use foveasim_models::{Display, Geometry, Viewport};
 use foveasim_render::{RenderOptions, Simd};
 use foveasim_reports::{ERROR_FULL_SCALE, error_map, png};
 use foveasim_study::FrameStudy;
 
+use super::scene::SceneArgs;
 use super::{Context, Failure, options};
 
 /// Draw one frame by any method beside its full-resolution reference, with an error map.
@@ -17,12 +17,13 @@ use super::{Context, Failure, options};
   foveasim render --out frames
   foveasim render --method layers:4 --size 1280x720 --gaze 300,200 --out frames
   foveasim render --display quest-pro --method layers:3:strict --frame 1200 --out frames
+  foveasim render --scene controller.glb --method full --size 960x540 --out frames
+  foveasim render --scene mesh.obj --camera 2,1,4 --look-at 0,1,0 --texture wall.png --out frames
   foveasim render --fov 70 --size 1920x1080 --slope guenter-b --margin-deg 2 --out frames")]
 pub(crate) struct Args {
-    /// What to draw: study (the scene of Guenter et al. 2012)
-    #[arg(long, value_name = "NAME", default_value = "study")]
-    scene: String,
-    /// Method, as in full, layers:3 or layers:3:strict
+    #[command(flatten)]
+    scene: SceneArgs,
+    /// Method, as in full, layers:3, layers:3:strict, vrs, fdm, rates or quad (see foveasim plan --help)
     #[arg(long, value_name = "METHOD", default_value = "layers:3")]
     method: Method,
     /// Display whose (first) eye's image is drawn: a preset or a TOML file
@@ -54,14 +55,6 @@ pub(crate) struct Args {
         allow_hyphen_values = true
     )]
     margin: f64,
-    /// Frame of the fly-through, 0 to 5376
-    #[arg(
-        long,
-        value_name = "N",
-        default_value_t = 500,
-        value_parser = clap::value_parser!(u32).range(..i64::from(STUDY_FRAMES))
-    )]
-    frame: u32,
     /// Instructions to use; the pictures are the same
     #[arg(long, value_enum, default_value_t = SimdChoice::Auto)]
     simd: SimdChoice,
@@ -76,9 +69,6 @@ enum SimdChoice {
 }
 
 pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
-    if args.scene != "study" {
-        return Err(unknown_name("scene", &args.scene, &["study"]).into());
-    }
     let display = options::display(&args.display)?;
     let viewport = viewport(args, &display)?;
     let ahead = display.primary().ahead();
@@ -90,21 +80,22 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
         margin_deg: args.margin,
         ..Request::ahead(display.primary())
     };
+    let stage = args.scene.stage(&viewport, ctx)?;
     // Fails now, not after the work, if there is nowhere to write.
     let mut outputs = ctx.outputs("out")?;
 
-    let scene = study_scene(ctx.seed);
     let simd = match args.simd {
         SimdChoice::Auto => Simd::Auto,
         SimdChoice::Scalar => Simd::Scalar,
     };
     let study = FrameStudy {
-        scene: &scene,
-        world_from_eye: study_camera(f64::from(args.frame) / f64::from(STUDY_FRAMES), ctx.seed),
+        scene: &stage.scene,
+        world_from_eye: stage.world_from_eye,
         gaze: request.gaze,
         request,
         options: RenderOptions {
             simd,
+            near_m: stage.near_m,
             ..RenderOptions::default()
         },
     };

@@ -27,6 +27,36 @@ fn plan_of_the_study_display() {
 }
 
 #[test]
+fn plan_of_everything_that_ships() {
+    let csv = Scratch::new().ok(&[
+        "plan",
+        "--display",
+        "quest-pro",
+        "--method",
+        "full,layers:3:strict,vrs,fdm,rates,quad,quad:auto,vrs:fixed",
+        "--format",
+        "csv",
+    ]);
+    let rows = rows(&csv);
+    let of = |name: &str| rows.iter().map(|r| number(r, name)).collect::<Vec<_>>();
+    let [samples, shadings] = [of("sample_ratio"), of("shading_ratio")];
+    // Variable-rate shading keeps visibility at every pixel; the others shade each sample.
+    assert_eq!([samples[2], samples[7]], [1.0, 1.0]);
+    for i in [0, 1, 3, 4, 5, 6] {
+        assert_eq!(samples[i], shadings[i]);
+    }
+    // Focus 0.35 of each side and periphery 0.5.
+    assert!((shadings[5] - 1.0 / 0.3725).abs() < 1e-3);
+    // A separable map saves less than a map of tiles, and a fixed one than a tracked one.
+    assert!(shadings[3] > shadings[4] && shadings[4] > 1.0);
+    assert!(shadings[2] > shadings[7] && shadings[7] > 1.0);
+    let tracked_over_fixed = of("tracked_over_fixed");
+    assert!((tracked_over_fixed[2] / (shadings[2] / shadings[7]) - 1.0).abs() < 1e-9);
+    assert_eq!(tracked_over_fixed[0], 1.0);
+    assert!(tracked_over_fixed[1..].iter().all(|r| *r > 1.3));
+}
+
+#[test]
 fn plan_over_field_of_view_gives_the_hundredfold_saving_at_70_degrees() {
     let csv = Scratch::new().ok(&[
         "plan",

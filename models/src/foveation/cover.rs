@@ -66,7 +66,7 @@ impl TanBox {
 /// direction's component along that axis and forwards. The planes that contain the other axis and
 /// touch the cone stand at azimuth ± asin(sin e / ρ), ρ the direction's length within this axis and
 /// forwards; a plane at 90° or more meets the image plane at infinity.
-fn cone_edges(along: f64, forward: f64, e: f64) -> Option<(f64, f64)> {
+pub(super) fn cone_edges(along: f64, forward: f64, e: f64) -> Option<(f64, f64)> {
     const RIGHT_ANGLE: f64 = std::f64::consts::FRAC_PI_2;
     let rho = hypot(along, forward);
     let sine = sin(e) / rho;

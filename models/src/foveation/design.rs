@@ -1,6 +1,6 @@
 use std::num::NonZeroU32;
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 use super::optimise::{Chain, Placement};
 use super::request::margin;
@@ -218,11 +218,11 @@ impl LayerDesign {
                     .map_or(0.0, |r| r.pixels(&self.screen)),
                 None => self.screen.pixels(),
             };
+            let samples = pixels / (layer.scale * layer.scale);
             PassEstimate {
-                samples: pixels / (layer.scale * layer.scale),
                 every: if i == 0 { 1 } else { OUTER_EVERY.get() },
-                scale: layer.scale,
                 radius_deg: layer.eccentricity_deg,
+                ..PassEstimate::new(samples, DVec2::splat(layer.scale))
             }
         };
         Estimate {

@@ -1,11 +1,17 @@
 use std::fmt;
 use std::str::FromStr;
 
-use super::{Estimate, LayersSettings, Screen, request};
+use super::need::Need;
+use super::{
+    Aim, Estimate, LayersSettings, QuadSettings, RatesSettings, Screen, TileSettings, fdm, request,
+    vrs,
+};
 use crate::{Acuity, GazeDirection, ModelError, unknown_name};
 
-/// How an image is foveated, written `name:setting:setting`: `full`, or `layers:N` with the settings
-/// of [`LayersSettings`] (`layers:3:strict:s2=2`).
+/// How an image is foveated, written `name:setting:setting`: `full`; `layers:N` with the settings
+/// of [`LayersSettings`] (`layers:3:strict:s2=2`); `vrs` and `fdm` with those of [`TileSettings`]
+/// (`vrs:tile=8`); `rates` with those of [`RatesSettings`]; `quad` with those of [`QuadSettings`]
+/// (`quad:auto`). All but `full` can be `fixed` (see [`Aim`]).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Method {
@@ -13,11 +19,51 @@ pub enum Method {
     Full,
     /// Nested layers around the gaze, each coarser (Guenter 2012).
     Layers(LayersSettings),
+    /// Variable-rate shading: visibility at every pixel, shading coarser tile by tile.
+    Vrs(TileSettings),
+    /// A fragment density map: visibility and shading coarser tile by tile.
+    Fdm(TileSettings),
+    /// Separable rate maps: a rate for each band of columns and each band of rows.
+    Rates(RatesSettings),
+    /// Quad views: a sharp rectangle on a coarser whole.
+    Quad(QuadSettings),
 }
 
+/// The methods' names.
+const NAMES: [&str; 6] = ["full", "layers", "vrs", "fdm", "rates", "quad"];
+
 impl Method {
-    /// How many samples are needed in closed form, with gaze anywhere (eye frame) and radii that are
-    /// optimal for a gaze straight ahead.
+    /// Whether it follows the gaze.
+    pub fn aim(&self) -> Aim {
+        match self {
+            Self::Full => Aim::Tracked,
+            Self::Layers(settings) => settings.aim,
+            Self::Vrs(settings) | Self::Fdm(settings) => settings.aim(),
+            Self::Rates(settings) => settings.aim(),
+            Self::Quad(settings) => settings.aim(),
+        }
+    }
+
+    /// The same method, following the gaze or not; `full` has nothing to aim.
+    #[must_use]
+    pub fn with_aim(self, aim: Aim) -> Self {
+        match self {
+            Self::Full => Self::Full,
+            Self::Layers(settings) => Self::Layers(LayersSettings { aim, ..settings }),
+            Self::Vrs(settings) => Self::Vrs(settings.with_aim(aim)),
+            Self::Fdm(settings) => Self::Fdm(settings.with_aim(aim)),
+            Self::Rates(settings) => Self::Rates(settings.with_aim(aim)),
+            Self::Quad(settings) => Self::Quad(settings.with_aim(aim)),
+        }
+    }
+
+    /// How many samples are needed where pixel counts may be fractions, with the sharpest part
+    /// anywhere (eye frame); radii of layers are optimal for a gaze straight ahead.
+    ///
+    /// `gaze` is where the method is aimed: for a fixed one straight ahead of the head, which the
+    /// caller knows ([`Aim::gaze`]). `margin_deg` is the tracker's; the reach of a fixed method comes
+    /// on top.
+    ///
     ///
     /// # Errors
     /// As [`Method::plan`].
@@ -29,12 +75,24 @@ impl Method {
         margin_deg: f64,
     ) -> Result<Estimate, ModelError> {
         request::check(gaze, margin_deg)?;
+        let gaze = gaze.vector();
+        let margin_deg = self.aim().margin_deg(margin_deg);
+        let need = Need {
+            screen,
+            acuity,
+            gaze,
+            margin_deg,
+        };
         Ok(match self {
             Self::Full => Estimate::full(screen),
             Self::Layers(settings) => {
                 let design = settings.design(screen, acuity, margin_deg)?;
-                design.estimate(gaze.vector(), settings.coverage)
+                design.estimate(gaze, settings.coverage)
             }
+            Self::Vrs(settings) => vrs::estimate(settings, &need),
+            Self::Fdm(settings) => fdm::estimate(settings, &need),
+            Self::Rates(settings) => settings.estimate(&need),
+            Self::Quad(settings) => settings.estimate(&need),
         })
     }
 
@@ -63,7 +121,15 @@ impl FromStr for Method {
             }
             ("layers", Some(settings)) => settings.parse().map(Self::Layers),
             ("layers", None) => "".parse().map(Self::Layers),
-            _ => Err(unknown_name("method", name, &["full", "layers"])),
+            ("vrs", None) => Ok(Self::Vrs(TileSettings::default())),
+            ("vrs", Some(settings)) => settings.parse().map(Self::Vrs),
+            ("fdm", None) => Ok(Self::Fdm(TileSettings::default())),
+            ("fdm", Some(settings)) => settings.parse().map(Self::Fdm),
+            ("rates", None) => Ok(Self::Rates(RatesSettings::default())),
+            ("rates", Some(settings)) => settings.parse().map(Self::Rates),
+            ("quad", None) => Ok(Self::Quad(QuadSettings::default())),
+            ("quad", Some(settings)) => settings.parse().map(Self::Quad),
+            _ => Err(unknown_name("method", name, &NAMES)),
         }
     }
 }
@@ -73,6 +139,10 @@ impl fmt::Display for Method {
         match self {
             Self::Full => f.write_str("full"),
             Self::Layers(settings) => settings.fmt(f),
+            Self::Vrs(settings) => write!(f, "vrs{settings}"),
+            Self::Fdm(settings) => write!(f, "fdm{settings}"),
+            Self::Rates(settings) => write!(f, "rates{settings}"),
+            Self::Quad(settings) => write!(f, "quad{settings}"),
         }
     }
 }
@@ -97,6 +167,21 @@ mod tests {
                 "layers:4:coverage=paper:blending=strict:weights=half",
             ),
             ("layers:2:exact:blending=paper:weights=unit", "layers:2"),
+            ("layers:3:fixed:strict", "layers:3:blending=strict:fixed"),
+            ("layers:3:fixed=15:s2=2", "layers:3:s2=2:fixed"),
+            ("layers:3:fixed:tracked", "layers:3"),
+            ("vrs", "vrs"),
+            ("vrs:tile=16:max=4:tracked", "vrs"),
+            ("vrs:max=2:tile=8:fixed", "vrs:tile=8:max=2:fixed"),
+            ("fdm:tile=32", "fdm:tile=32"),
+            ("rates:bands=12:fixed=20.5", "rates:bands=12:fixed=20.5"),
+            ("rates:fixed", "rates:fixed"),
+            ("quad:focus=0.35:peripheral=0.5", "quad"),
+            (
+                "quad:peripheral=0.4:focus=0.5",
+                "quad:focus=0.5:peripheral=0.4",
+            ),
+            ("quad:auto:fixed=0", "quad:focus=auto:fixed=0"),
         ] {
             let method: Method = text.parse().unwrap();
             assert_eq!(method.to_string(), canonical);
@@ -118,7 +203,15 @@ mod tests {
                 margin,
             )
         };
-        for method in ["full", "layers:3"] {
+        for method in [
+            "full",
+            "layers:3",
+            "vrs",
+            "fdm:fixed",
+            "rates",
+            "quad",
+            "quad:auto",
+        ] {
             assert!(estimate(method, 0.0, 0.0, 0.0).unwrap().samples() > 0.0);
             for (az, el, margin, field) in [
                 (f64::NAN, 0.0, 0.0, "gaze azimuth [deg] = NaN"),
@@ -149,6 +242,39 @@ mod tests {
             ("layers:3:s2=0.5", "from 1 to 1000000"),
             ("layers:1:s2=2", "no second layer"),
             ("layers:3:", "unknown setting"),
+            ("layers:3:fixd", "did you mean `fixed`?"),
+            (
+                "layers:3:fixed=-1",
+                "fixed = -1: must be degrees from 0 to 90",
+            ),
+            ("full:fixed", "full has no settings"),
+            ("rate", "did you mean `rates`?"),
+            ("vrs:", "unknown setting"),
+            ("vrs:tile", "did you mean `tile=`?"),
+            ("vrs:tile=12", "tile = 12: must be 8, 16 or 32 pixels"),
+            ("vrs:tile=16.0", "tile = 16.0: must be 8, 16 or 32 pixels"),
+            ("vrs:max=3", "max = 3: must be 1, 2 or 4 pixels"),
+            ("fdm:max=8", "max = 8: must be 1, 2 or 4 pixels"),
+            ("fdm:fixed=nan", "fixed = nan: must be degrees"),
+            ("fdm:fixed=90.1", "fixed = 90.1"),
+            ("fdm:tracked=1", "unknown setting of tiles `tracked=1`"),
+            (
+                "rates:bands=0",
+                "bands = 0: must be a whole number from 1 to 256",
+            ),
+            ("rates:bands=257", "from 1 to 256"),
+            ("rates:band=3", "did you mean `bands=`?"),
+            (
+                "quad:focus=0",
+                "focus = 0: must be auto, or a number above 0",
+            ),
+            ("quad:focus=nan", "focus = NaN"),
+            ("quad:focus=wide", "focus = wide: must be auto"),
+            (
+                "quad:peripheral=2",
+                "peripheral = 2: must be a number from 0.01 to 1",
+            ),
+            ("quad:peripheral=", "peripheral = : must be a number"),
         ] {
             let error = text.parse::<Method>().unwrap_err().to_string();
             assert!(error.contains(expect), "{text}: {error}");

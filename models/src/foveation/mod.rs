@@ -16,26 +16,40 @@
 //! # Ok::<(), foveasim_models::ModelError>(())
 //! ```
 
+mod aim;
+mod cells;
 mod cover;
 mod design;
 mod estimate;
+mod fdm;
 mod floor;
 mod lattice;
 mod layers;
 mod method;
+mod mosaic;
+mod need;
 mod optimise;
 mod prepared;
+mod quad;
 mod quadrature;
+mod rates;
 mod request;
 mod screen;
 mod settings;
+mod text;
+mod tiles;
+mod vrs;
 
+pub use aim::Aim;
 pub use cover::Coverage;
 pub use design::{LayerDesign, LayerSpec};
 pub use estimate::{Estimate, PassEstimate};
 pub use floor::{FloorDensity, IDEAL_RELATIVE_ERROR, ideal_samples};
 pub use method::Method;
 pub use prepared::Prepared;
+pub use quad::{Focus, QuadSettings};
+pub use rates::RatesSettings;
 pub use request::Request;
 pub use screen::Screen;
 pub use settings::{Blending, LayersSettings, MAX_LAYERS, Weights};
+pub use tiles::TileSettings;

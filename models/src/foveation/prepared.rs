@@ -1,4 +1,4 @@
-use super::{LayerDesign, Method, Request, Screen, layers, request};
+use super::{LayerDesign, Method, Request, Screen, fdm, layers, request, vrs};
 use crate::{GazeDirection, ModelError, SamplePlan};
 
 /// A method fitted to one image, acuity and margin. What does not depend on the gaze is done once, so
@@ -15,15 +15,16 @@ impl Method {
     /// Does what does not depend on the gaze of `request`.
     ///
     /// # Errors
-    /// If the gaze is not finite or the margin is not from 0 to 90 degrees.
+    /// If a direction is not finite or the margin is not from 0 to 90 degrees.
     pub fn prepare(&self, request: &Request) -> Result<Prepared, ModelError> {
         request.check()?;
         let design = match self {
-            Self::Full => None,
             Self::Layers(settings) => {
                 let screen = Screen::from(&request.viewport);
-                Some(settings.design(&screen, request.acuity, request.margin_deg)?)
+                let margin_deg = settings.aim.margin_deg(request.margin_deg);
+                Some(settings.design(&screen, request.acuity, margin_deg)?)
             }
+            _ => None,
         };
         Ok(Prepared {
             method: *self,
@@ -48,12 +49,19 @@ impl Prepared {
     /// If the gaze is not finite.
     pub fn plan(&self, gaze: GazeDirection) -> Result<SamplePlan, ModelError> {
         request::check(gaze, self.request.margin_deg)?;
+        // From here on nothing but where the method is aimed, and how far from there the eye may be.
+        let aim = self.method.aim();
         let request = Request {
-            gaze,
+            gaze: aim.gaze(gaze, self.request.ahead),
+            margin_deg: aim.margin_deg(self.request.margin_deg),
             ..self.request.clone()
         };
         Ok(match (&self.method, &self.design) {
             (Method::Layers(settings), Some(design)) => layers::plan(settings, design, &request),
+            (Method::Vrs(settings), _) => vrs::plan(settings, &request)?,
+            (Method::Fdm(settings), _) => fdm::plan(settings, &request),
+            (Method::Rates(settings), _) => settings.plan(&request),
+            (Method::Quad(settings), _) => settings.plan(&request),
             _ => SamplePlan::full(request.eye, request.viewport.size),
         })
     }
@@ -68,7 +76,18 @@ mod tests {
     fn one_preparation_serves_every_gaze() {
         let display = presets::display("quest-pro").unwrap();
         let ahead = Request::ahead(display.primary());
-        for text in ["full", "layers:1", "layers:3", "layers:4:strict"] {
+        for text in [
+            "full",
+            "layers:1",
+            "layers:3",
+            "layers:4:strict",
+            "layers:3:fixed",
+            "vrs",
+            "fdm:tile=32:fixed=5",
+            "rates",
+            "quad",
+            "quad:auto:fixed",
+        ] {
             let method: Method = text.parse().unwrap();
             let prepared = method.prepare(&ahead).unwrap();
             for (azimuth, elevation) in [(0.0, 0.0), (-30.0, 12.0), (80.0, 0.0), (170.0, -20.0)] {

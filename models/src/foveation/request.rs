@@ -1,3 +1,5 @@
+use super::Screen;
+use super::need::Need;
 use crate::error::in_range;
 use crate::{Acuity, Eye, EyePanel, GazeDirection, ModelError, Viewport};
 
@@ -12,6 +14,9 @@ pub struct Request {
     pub acuity: Acuity,
     /// Where the sharpest part belongs, in the eye's own frame.
     pub gaze: GazeDirection,
+    /// Straight ahead of the head, in the eye's own frame: where methods that do not follow the gaze
+    /// put it.
+    pub ahead: GazeDirection,
     /// How far the eye may look away from `gaze` without seeing the difference: tracking error and
     /// lag \[deg\].
     pub margin_deg: f64,
@@ -25,13 +30,35 @@ impl Request {
             viewport: panel.viewport,
             acuity: Acuity::default(),
             gaze: panel.ahead(),
+            ahead: panel.ahead(),
             margin_deg: 0.0,
         }
     }
 
     /// Checks what the types cannot: a finite gaze and a margin from 0 to 90 degrees.
     pub(super) fn check(&self) -> Result<(), ModelError> {
-        check(self.gaze, self.margin_deg)
+        check(self.gaze, self.margin_deg)?;
+        in_range(
+            "azimuth of ahead [deg]",
+            self.ahead.azimuth_deg,
+            -360.0..=360.0,
+        )?;
+        in_range(
+            "elevation of ahead [deg]",
+            self.ahead.elevation_deg,
+            -90.0..=90.0,
+        )?;
+        Ok(())
+    }
+
+    /// What the eye needs of the image, which `screen` describes.
+    pub(super) fn need<'a>(&self, screen: &'a Screen) -> Need<'a> {
+        Need {
+            screen,
+            acuity: self.acuity,
+            gaze: self.gaze.vector(),
+            margin_deg: self.margin_deg,
+        }
     }
 }
 

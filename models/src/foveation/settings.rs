@@ -1,7 +1,8 @@
 use std::fmt;
 use std::str::FromStr;
 
-use super::Coverage;
+use super::text::Setting;
+use super::{Aim, Coverage};
 use crate::error::in_range;
 use crate::{ModelError, unknown_name};
 
@@ -38,6 +39,7 @@ pub enum Weights {
 /// | `blending=paper`, `blending=strict` (`strict`) | whether the blended ring meets the acuity line |
 /// | `weights=unit`, `weights=half` | what the radii are optimised for |
 /// | `s2=VALUE` | the second layer's scale is given instead of found (Guenter's n = 3* has `s2=2`) |
+/// | `tracked`, `fixed`, `fixed=DEG` | whether it follows the gaze (see [`Aim`]) |
 ///
 /// Short forms stand in brackets; [`Display`](fmt::Display) writes what differs from the default, in
 /// the order of the table.
@@ -53,6 +55,8 @@ pub struct LayersSettings {
     pub weights: Weights,
     /// The second layer's scale, if given.
     pub second_scale: Option<f64>,
+    /// Whether the layers follow the gaze.
+    pub aim: Aim,
 }
 
 impl Blending {
@@ -113,12 +117,13 @@ impl LayersSettings {
             blending: Blending::default(),
             weights: Weights::default(),
             second_scale: None,
+            aim: Aim::Tracked,
         })
     }
 
     /// Applies one setting.
     fn set(&mut self, text: &str) -> Result<(), ModelError> {
-        const VALID: [&str; 7] = [
+        const VALID: [&str; 10] = [
             "coverage=",
             "blending=",
             "weights=",
@@ -126,11 +131,19 @@ impl LayersSettings {
             "exact",
             "paper",
             "strict",
+            "tracked",
+            "fixed",
+            "fixed=",
         ];
+        let Setting(key, value) = Setting::from(text);
+        if let Some(aim) = Aim::read(key, value) {
+            self.aim = aim?;
+            return Ok(());
+        }
         let (key, value) = match text {
             "exact" | "paper" => ("coverage", text),
             "strict" => ("blending", text),
-            _ => text.split_once('=').unwrap_or((text, "")),
+            _ => (key, value.unwrap_or_default()),
         };
         match (key, value) {
             ("coverage", "exact") => self.coverage = Coverage::Exact,
@@ -194,6 +207,6 @@ impl fmt::Display for LayersSettings {
         if let Some(scale) = self.second_scale {
             write!(f, ":s2={scale}")?;
         }
-        Ok(())
+        self.aim.fmt(f)
     }
 }

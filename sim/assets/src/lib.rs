@@ -2,25 +2,48 @@
 //!
 //! A [`Scene`] is meshes, instances of them, materials, a sky and a sun. Everything in it has been
 //! checked when it is built, so that a renderer never meets an index out of range or a NaN vertex.
-//! [`study_scene`] generates the scene of Guenter et al. 2012, §5, in a first version.
+//! [`study_scene`] generates the scene of Guenter et al. 2012, §5; [`study_camera`] flies through it
+//! and [`StudyGaze`] looks at what comes nearest. [`load_scene`] reads OBJ, glTF, GLB, PLY and STL files.
 //!
 //! # Simplifications
 //!
-//! Instances do not move; materials are procedural (no image textures); one sun, no shadows.
+//! Instances move rigidly; no normal maps and no transparency; one sun, no shadows.
 
+mod atmosphere;
+mod camera;
+mod environment;
+mod load;
+mod lod;
 mod material;
 mod mesh;
 mod noise;
 mod scene;
 mod sky;
 mod study;
+mod study_gaze;
+mod study_objects;
 mod surface;
 mod terrain;
+mod tessellate;
+mod texture;
+mod track;
 
-pub use material::{Material, Pattern, Surface, Terrain};
+pub use camera::{framing, look_at};
+pub use environment::EnvironmentMap;
+pub use load::{
+    Format, LoadError, LoadOptions, Loaded, NoSideFiles, SideFiles, Up, load_bytes, load_scene,
+};
+pub use lod::{Detail, LevelOfDetail, LodRule};
+pub use material::{Material, Pattern, Phong, Surface, Terrain, TerrainDetail, Textured};
 pub use mesh::{Mesh, MeshError, Vertex};
-pub use scene::{Instance, Scene, SceneError, Similarity};
-pub use sky::{AnalyticSky, Sky, Sun};
-pub use study::{STUDY_FRAMES, study_camera, study_scene};
-pub use surface::{ParametricSurface, tessellate};
+pub use scene::{Instance, Scene, SceneError, SceneParts, Similarity};
+pub use sky::{AnalyticSky, Sky, SkyLight, Sun};
+pub use study::{
+    STUDY_FRAMES, STUDY_SUN, StudyContent, study_camera, study_scene, study_scene_with, study_sky,
+};
+pub use study_gaze::StudyGaze;
+pub use surface::ParametricSurface;
 pub use terrain::{TERRAIN_EXTENT_M, terrain_height, terrain_mesh};
+pub use tessellate::{Tessellation, tessellate, tessellation_ladder};
+pub use texture::{Encoding, LARGEST_SIDE, MipLevel, Texture, TextureError, Wrap};
+pub use track::{Key, Motion, Repeat, Track, TrackError};

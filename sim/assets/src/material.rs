@@ -8,6 +8,27 @@ pub enum Material {
     Terrain(Terrain),
     /// A two-coloured surface from diffuse to mirror-like.
     Surface(Surface),
+    /// A surface whose colour and finish come from numbers and textures.
+    Textured(Textured),
+    /// The plainest lit surface, as renderers are compared by.
+    Phong(Phong),
+}
+
+/// Phong's reflection (1975) with colours that wave through the world, seen alike from both sides:
+/// ½ + ½·sin(frequency·p) times (ambient + diffuse·n·l), plus specular·(r·v)^(2^k), in units of the
+/// sun's radiance.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Phong {
+    /// Radians of the colours' wave per metre of the world, 0 to 1000.
+    pub frequency: f32,
+    /// Share of the colour without any light.
+    pub ambient: f32,
+    /// Share of the colour that faces the light.
+    pub diffuse: f32,
+    /// Brightness of the highlight.
+    pub specular: f32,
+    /// Binary logarithm k of the highlight's exponent, 0 to 10.
+    pub shininess_log2: u32,
 }
 
 /// Procedural ground: bands of grass, rock and snow broken up by noise.
@@ -19,6 +40,20 @@ pub struct Terrain {
     pub octaves: u32,
     /// Height above which snow lies \[m\].
     pub snow_line_m: f32,
+    /// How much work each sample is.
+    pub detail: TerrainDetail,
+}
+
+/// How much work a sample of [`Terrain`] is (Guenter et al. 2012, Table 1: "Cheap Terrain replaces the
+/// procedural shading on the terrain with a simpler version").
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum TerrainDetail {
+    /// Four fractals (colour at two scales, relief along two axes), `octaves` each: 32 evaluations of
+    /// noise with the study's 8, fewer where the footprint cannot show them.
+    #[default]
+    Procedural,
+    /// The same ground from one evaluation of noise, without relief.
+    Cheap,
 }
 
 /// A lit surface (diffuse plus one microfacet lobe plus the reflected sky).
@@ -56,6 +91,53 @@ pub enum Pattern {
     Patches,
 }
 
+/// A surface of the metallic-roughness model (glTF 2.0, appendix B, without normal maps): each factor
+/// is multiplied by its texture, where it has one.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Textured {
+    /// Base colour, linear RGB, 0 to 1: of diffuse light, or of the mirror image where metallic.
+    pub base_colour: [f32; 3],
+    /// Index of the texture that multiplies the base colour.
+    pub base_texture: Option<usize>,
+    /// Perceptual roughness, 0 to 1: the square root of the microfacet α (glTF 2.0, B.2.3).
+    pub roughness: f32,
+    /// From 0 (reflects 4 % head on, an index of refraction of 1.5) to 1 (reflects its base colour).
+    pub metallic: f32,
+    /// Index of the texture whose green multiplies the roughness and whose blue the metallic share.
+    pub finish_texture: Option<usize>,
+    /// Light of its own, linear RGB.
+    pub emissive: [f32; 3],
+    /// Index of the texture that multiplies the light of its own.
+    pub emissive_texture: Option<usize>,
+}
+
+impl Default for Textured {
+    /// Light grey, rough, neither metallic nor glowing.
+    fn default() -> Self {
+        Self {
+            base_colour: [0.6; 3],
+            base_texture: None,
+            roughness: 0.7,
+            metallic: 0.0,
+            finish_texture: None,
+            emissive: [0.0; 3],
+            emissive_texture: None,
+        }
+    }
+}
+
+impl Textured {
+    /// The textures it names.
+    pub(crate) fn textures(&self) -> impl Iterator<Item = usize> {
+        let all = [
+            self.base_texture,
+            self.finish_texture,
+            self.emissive_texture,
+        ];
+        all.into_iter().flatten()
+    }
+}
+
 impl Material {
     /// Whether every number is finite and in its range.
     pub(crate) fn is_valid(&self) -> bool {
@@ -63,6 +145,20 @@ impl Material {
         match self {
             Self::Unlit(c) => colour(c),
             Self::Terrain(t) => t.octaves <= 16 && t.snow_line_m.is_finite(),
+            Self::Phong(p) => {
+                let share = |v: f32| (0.0..=1e3).contains(&v);
+                [p.frequency, p.ambient, p.diffuse, p.specular]
+                    .into_iter()
+                    .all(share)
+                    && p.shininess_log2 <= 10
+            }
+            Self::Textured(t) => {
+                colour(&t.base_colour)
+                    && t.base_colour.iter().all(|v| *v <= 1.0)
+                    && (0.0..=1.0).contains(&t.roughness)
+                    && (0.0..=1.0).contains(&t.metallic)
+                    && colour(&t.emissive)
+            }
             Self::Surface(s) => {
                 s.albedo.iter().all(colour)
                     && (0.0..=1e4).contains(&s.frequency)

@@ -78,8 +78,6 @@ impl Mesh {
                 });
             }
         }
-        let column = |f: &dyn Fn(&Vertex) -> f64| vertices.iter().map(|v| f(v) as f32).collect();
-        let normal = |v: &Vertex| v.normal.normalize();
         let low = vertices
             .iter()
             .fold(DVec3::INFINITY, |a, v| a.min(v.position));
@@ -91,18 +89,20 @@ impl Mesh {
             .iter()
             .map(|v| v.position.distance(centre))
             .fold(0.0, f64::max);
+        let columns = |f: &dyn Fn(&Vertex) -> [f64; 3]| {
+            let mut columns = [(); 3].map(|()| Vec::with_capacity(vertices.len()));
+            for v in vertices {
+                for (column, value) in columns.iter_mut().zip(f(v)) {
+                    column.push(value as f32);
+                }
+            }
+            columns
+        };
+        let [u, v, _] = columns(&|v| [v.uv[0], v.uv[1], 0.0]);
         Ok(Self {
-            positions: [
-                column(&|v| v.position.x),
-                column(&|v| v.position.y),
-                column(&|v| v.position.z),
-            ],
-            normals: [
-                column(&|v| normal(v).x),
-                column(&|v| normal(v).y),
-                column(&|v| normal(v).z),
-            ],
-            uvs: [column(&|v| v.uv[0]), column(&|v| v.uv[1])],
+            positions: columns(&|v| v.position.to_array()),
+            normals: columns(&|v| v.normal.normalize().to_array()),
+            uvs: [u, v],
             triangles,
             centre,
             // Rounding a position to f32 may move it outwards by half a unit in the last place.

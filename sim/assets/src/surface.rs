@@ -1,8 +1,6 @@
 use foveasim_models::math::{cos, pow, sin};
 use glam::DVec3;
 
-use crate::{Mesh, Vertex};
-
 /// A closed surface given by two parameters, about 1 m in radius, outside out.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
@@ -37,200 +35,291 @@ impl ParametricSurface {
     /// The point at `u`, `v`, both 0 to 1: `u` runs round the surface; `v` runs round the tube, or
     /// from pole to pole.
     pub fn point(self, u: f64, v: f64) -> DVec3 {
-        let turn = 2.0 * std::f64::consts::PI;
-        let (around, along) = (turn * u, turn * v);
-        // v = 0 is the south pole of the sphere-like ones.
-        let latitude = std::f64::consts::PI * (v - 0.5);
-        match self {
-            Self::Sphere => globe(around, latitude, 1.0),
-            Self::Torus { tube } => {
-                let ring = 1.0 - tube;
-                let r = ring + tube * cos(along);
-                DVec3::new(r * cos(around), tube * sin(along), -r * sin(around))
-            }
-            Self::Superellipsoid { exponents: [n, e] } => {
-                let power = |x: f64, p: f64| pow(x.abs(), p).copysign(x);
-                let ring = power(cos(latitude), n);
-                DVec3::new(
-                    ring * power(cos(around), e),
-                    power(sin(latitude), n),
-                    -ring * power(sin(around), e),
-                )
-            }
-            Self::Waves { count, height } => {
-                let n = f64::from(count);
-                // The waves vanish at the poles, where all longitudes meet.
-                let envelope = cos(latitude) * cos(latitude);
-                let wave = sin(n * around) * sin(n * latitude) * envelope;
-                globe(around, latitude, (1.0 + height * wave) / (1.0 + height))
-            }
-            Self::Trefoil { tube } => {
-                let knot = |t: f64| {
-                    DVec3::new(
-                        sin(t) + 2.0 * sin(2.0 * t),
-                        cos(t) - 2.0 * cos(2.0 * t),
-                        -sin(3.0 * t),
-                    ) * 0.28
-                };
-                let centre = knot(around);
-                let tangent = (knot(around + 1e-4) - knot(around - 1e-4)).normalize();
-                // A frame that turns smoothly: away from the axis of the knot, which it never crosses.
-                let outward = DVec3::new(centre.x, centre.y, 0.0);
-                let side = (outward - tangent * outward.dot(tangent)).normalize();
-                let up = side.cross(tangent);
-                centre + (side * cos(along) + up * sin(along)) * tube
-            }
-        }
+        SurfaceTable::new(self, &[u], &[v]).at(0, 0).0
     }
 
-    fn has_poles(self) -> bool {
+    /// The outward unit normal at `u`, `v`; on an edge, one between those of its sides.
+    pub fn normal(self, u: f64, v: f64) -> DVec3 {
+        SurfaceTable::new(self, &[u], &[v]).at(0, 0).1
+    }
+
+    /// Whether `v` = 0 and `v` = 1 are each a single point.
+    pub(crate) fn has_poles(self) -> bool {
         matches!(
             self,
             Self::Sphere | Self::Superellipsoid { .. } | Self::Waves { .. }
         )
     }
+}
 
-    /// The unit normal at `u`, `v`, by central differences.
-    fn normal(self, u: f64, v: f64) -> DVec3 {
-        const STEP: f64 = 1e-4;
-        // At a pole every u is the same point: look at it from just beside.
-        let v = if self.has_poles() {
-            v.clamp(2.0 * STEP, 1.0 - 2.0 * STEP)
-        } else {
-            v
+/// A surface over a grid of parameters. All that depends on one parameter alone, every transcendental
+/// function with it, is worked out once for its column or row.
+pub(crate) enum SurfaceTable {
+    /// A profile swept along a closed curve (spherical product, Barr 1981).
+    Product {
+        curve: Vec<Section>,
+        profile: Vec<Section>,
+    },
+    /// Radius (1 + h·a(λ)·b(φ)) / (1 + h) in direction (λ, φ).
+    Waves {
+        height: f64,
+        columns: Vec<WaveColumn>,
+        rows: Vec<WaveRow>,
+    },
+    /// A circle moved along a space curve.
+    Tube {
+        radius: f64,
+        frames: Vec<Frame>,
+        circle: Vec<[f64; 2]>,
+    },
+}
+
+/// A point of a plane curve and its outward normal, of any length.
+#[derive(Clone, Copy)]
+pub(crate) struct Section {
+    point: [f64; 2],
+    normal: [f64; 2],
+}
+
+/// cos λ, sin λ, a = sin nλ and its derivative.
+#[derive(Clone, Copy)]
+pub(crate) struct WaveColumn {
+    longitude: [f64; 2],
+    wave: f64,
+    slope: f64,
+}
+
+/// cos φ, sin φ, b = sin nφ · cos²φ, its derivative, and b / cos φ.
+#[derive(Clone, Copy)]
+pub(crate) struct WaveRow {
+    latitude: [f64; 2],
+    wave: f64,
+    slope: f64,
+    over_cosine: f64,
+}
+
+/// A point of a space curve and two directions across it.
+#[derive(Clone, Copy)]
+pub(crate) struct Frame {
+    centre: DVec3,
+    side: DVec3,
+    up: DVec3,
+}
+
+impl SurfaceTable {
+    pub(crate) fn new(surface: ParametricSurface, us: &[f64], vs: &[f64]) -> Self {
+        let turn = |x: f64| 2.0 * std::f64::consts::PI * x;
+        // v = 0 is the south pole of the sphere-like ones.
+        let latitude = |v: f64| std::f64::consts::PI * (v - 0.5);
+        let curve = |f: &dyn Fn(f64) -> Section| us.iter().map(|&u| f(turn(u))).collect();
+        match surface {
+            ParametricSurface::Sphere => Self::Product {
+                curve: curve(&Section::circle),
+                profile: vs.iter().map(|&v| Section::circle(latitude(v))).collect(),
+            },
+            ParametricSurface::Torus { tube } => Self::Product {
+                curve: curve(&Section::circle),
+                profile: vs
+                    .iter()
+                    .map(|&v| {
+                        let round = Section::circle(turn(v));
+                        let [c, s] = round.point;
+                        Section {
+                            point: [1.0 - tube + tube * c, tube * s],
+                            ..round
+                        }
+                    })
+                    .collect(),
+            },
+            ParametricSurface::Superellipsoid { exponents: [n, e] } => Self::Product {
+                curve: curve(&|angle| Section::superellipse(angle, e)),
+                profile: vs
+                    .iter()
+                    .map(|&v| Section::superellipse(latitude(v), n))
+                    .collect(),
+            },
+            ParametricSurface::Waves { count, height } => {
+                let n = f64::from(count);
+                Self::Waves {
+                    height,
+                    columns: us.iter().map(|&u| WaveColumn::new(turn(u), n)).collect(),
+                    rows: vs.iter().map(|&v| WaveRow::new(latitude(v), n)).collect(),
+                }
+            }
+            ParametricSurface::Trefoil { tube } => Self::Tube {
+                radius: tube,
+                frames: us.iter().map(|&u| Frame::trefoil(turn(u))).collect(),
+                circle: vs.iter().map(|&v| cos_sin(turn(v))).collect(),
+            },
+        }
+    }
+
+    /// Point and outward unit normal at the crossing of column `i` and row `j`.
+    pub(crate) fn at(&self, i: usize, j: usize) -> (DVec3, DVec3) {
+        let (point, normal) = match self {
+            Self::Product { curve, profile } => {
+                let (a, b) = (curve[i], profile[j]);
+                // Across the swept curve the normal leans out as far as the curve is away.
+                let reach = a.point[0] * a.normal[0] + a.point[1] * a.normal[1];
+                let point = |p: [f64; 2], y: f64, k: f64| DVec3::new(k * p[0], y, -k * p[1]);
+                (
+                    point(a.point, b.point[1], b.point[0]),
+                    point(a.normal, b.normal[1] * reach, b.normal[0]),
+                )
+            }
+            Self::Waves {
+                height,
+                columns,
+                rows,
+            } => {
+                let (a, b) = (columns[i], rows[j]);
+                let ([cl, sl], [cp, sp]) = (a.longitude, b.latitude);
+                let k = height / (1.0 + height);
+                let radius = 1.0 / (1.0 + height) + k * a.wave * b.wave;
+                let out = DVec3::new(cp * cl, sp, -cp * sl);
+                let north = DVec3::new(-sp * cl, cp, sp * sl);
+                let east = DVec3::new(-sl, 0.0, -cl);
+                let climb = north * (k * a.wave * b.slope) + east * (k * a.slope * b.over_cosine);
+                (out * radius, out * radius - climb)
+            }
+            Self::Tube {
+                radius,
+                frames,
+                circle,
+            } => {
+                // Turning about its own axis, the frame moves points along the surface only.
+                let (f, [c, s]) = (frames[i], circle[j]);
+                let out = f.side * c + f.up * s;
+                (f.centre + out * *radius, out)
+            }
         };
-        let du = self.point(u + STEP, v) - self.point(u - STEP, v);
-        let dv = self.point(u, v + STEP) - self.point(u, v - STEP);
-        let n = du.cross(dv);
-        // Corners of a superellipsoid have no tangent plane; their direction will do.
-        if n.length() > 1e-16 {
-            n.normalize()
-        } else {
-            self.point(u, v).normalize()
-        }
+        (point, normal.normalize())
     }
 }
 
-fn globe(longitude: f64, latitude: f64, radius: f64) -> DVec3 {
-    let ring = cos(latitude);
-    DVec3::new(ring * cos(longitude), sin(latitude), -ring * sin(longitude)) * radius
+/// Cosine and sine, zero where they are but for rounding: poles and seams must meet.
+fn cos_sin(angle: f64) -> [f64; 2] {
+    [cos(angle), sin(angle)].map(|x| if x.abs() < 1e-14 { 0.0 } else { x })
 }
 
-/// Triangles over the parameter square of `surface`: about `2 · around · along`, fewer at poles.
-///
-/// # Panics
-/// If there are fewer than 3 steps round or 2 along.
-pub fn tessellate(surface: ParametricSurface, around: u32, along: u32) -> Mesh {
-    assert!(
-        around >= 3 && along >= 2,
-        "{around} x {along} steps do not close a surface"
-    );
-    // Vertices of the seam are doubled: their texture coordinates differ.
-    let mut vertices = Vec::new();
-    for j in 0..=along {
-        for i in 0..=around {
-            let (u, v) = (
-                f64::from(i) / f64::from(around),
-                f64::from(j) / f64::from(along),
-            );
-            // The seam's two copies must be one point, bit for bit, or it would gape.
-            let wrap = |x: f64| if x == 1.0 { 0.0 } else { x };
-            let at_v = if surface.has_poles() { v } else { wrap(v) };
-            let at_u = if surface.has_poles() && (j == 0 || j == along) {
-                0.0
+impl Section {
+    fn circle(angle: f64) -> Self {
+        let point = cos_sin(angle);
+        Self {
+            point,
+            normal: point,
+        }
+    }
+
+    /// |x|^p + |y|^p = 1 with p = 2 / exponent. Barr's own parameter puts nearly all points into the
+    /// corners and even angles put too few there; the exponent to the power of ¾ lies between.
+    fn superellipse(angle: f64, exponent: f64) -> Self {
+        let p = 2.0 / exponent;
+        let power = |x: f64, p: f64| pow(x.abs(), p).copysign(x);
+        let [c, s] = cos_sin(angle).map(|x| power(x, pow(exponent, 0.75)));
+        let radius = pow(pow(c.abs(), p) + pow(s.abs(), p), -1.0 / p);
+        // The gradient; below p = 1 times |cs|^(1−p), which keeps it finite at a cusp.
+        let gradient = |x: f64, other: f64| {
+            if p >= 1.0 {
+                power(x, p - 1.0)
             } else {
-                wrap(u)
-            };
-            let position = surface.point(at_u, at_v);
-            let normal = surface.normal(wrap(u), at_v);
-            vertices.push(Vertex {
-                position,
-                normal,
-                uv: [u, v],
-            });
+                pow(other.abs(), 1.0 - p).copysign(x)
+            }
+        };
+        Self {
+            point: [radius * c, radius * s],
+            normal: [gradient(c, s), gradient(s, c)],
         }
     }
-    let mut triangles = Vec::new();
-    let row = around + 1;
-    for j in 0..along {
-        for i in 0..around {
-            let a = j * row + i;
-            let (b, c, d) = (a + 1, a + row, a + row + 1);
-            // At the poles one of the two triangles has no area.
-            if !(surface.has_poles() && j == 0) {
-                triangles.push([a, b, d]);
-            }
-            if !(surface.has_poles() && j == along - 1) {
-                triangles.push([a, d, c]);
-            }
-        }
-    }
-    Mesh::new(&vertices, triangles).expect("a parametric surface has finite points")
 }
 
-/// The volume enclosed: positive if front faces look outwards (divergence theorem).
-#[cfg(test)]
-fn signed_volume(mesh: &Mesh) -> f64 {
-    let six_fold = |t: &[u32; 3]| {
-        let [a, b, c] = t.map(|i| mesh.position(i));
-        a.dot(b.cross(c))
-    };
-    mesh.triangles().iter().map(six_fold).sum::<f64>() / 6.0
+impl WaveColumn {
+    fn new(longitude: f64, n: f64) -> Self {
+        Self {
+            longitude: cos_sin(longitude),
+            wave: sin(n * longitude),
+            slope: n * cos(n * longitude),
+        }
+    }
+}
+
+impl WaveRow {
+    fn new(latitude: f64, n: f64) -> Self {
+        // The waves vanish at the poles, where all longitudes meet.
+        let [c, s] = cos_sin(latitude);
+        let (cn, sn) = (cos(n * latitude), sin(n * latitude));
+        Self {
+            latitude: [c, s],
+            wave: sn * c * c,
+            slope: n * cn * c * c - 2.0 * sn * c * s,
+            over_cosine: sn * c,
+        }
+    }
+}
+
+impl Frame {
+    fn trefoil(t: f64) -> Self {
+        const SIZE: f64 = 0.28;
+        let centre = DVec3::new(
+            sin(t) + 2.0 * sin(2.0 * t),
+            cos(t) - 2.0 * cos(2.0 * t),
+            -sin(3.0 * t),
+        ) * SIZE;
+        let tangent = DVec3::new(
+            cos(t) + 4.0 * cos(2.0 * t),
+            -sin(t) + 4.0 * sin(2.0 * t),
+            -3.0 * cos(3.0 * t),
+        )
+        .normalize();
+        // A frame that turns smoothly: away from the axis of the knot, which it never crosses.
+        let outward = DVec3::new(centre.x, centre.y, 0.0);
+        let side = (outward - tangent * outward.dot(tangent)).normalize();
+        Self {
+            centre,
+            side,
+            up: side.cross(tangent),
+        }
+    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-
-    const ALL: [ParametricSurface; 5] = [
-        ParametricSurface::Sphere,
-        ParametricSurface::Torus { tube: 0.3 },
-        ParametricSurface::Superellipsoid {
-            exponents: [0.4, 0.4],
-        },
-        ParametricSurface::Waves {
-            count: 5,
-            height: 0.2,
-        },
-        ParametricSurface::Trefoil { tube: 0.2 },
-    ];
+    use crate::tessellate::tests::ALL;
+    use foveasim_models::{Role, Stream};
 
     #[test]
-    fn surfaces_are_closed_and_outside_out() {
+    fn normals_are_those_of_central_differences() {
+        const STEP: f64 = 1e-5;
+        let random = &mut Stream::new(1, Role::Scene, 0);
         for surface in ALL {
-            let mesh = tessellate(surface, 48, 32);
-            assert!(
-                signed_volume(&mesh) > 0.1,
-                "{surface:?}: {}",
-                signed_volume(&mesh)
-            );
-            // Closed: the area vectors of all faces add up to nothing.
-            let mut sum = DVec3::ZERO;
-            let mut agree = 0;
-            for t in mesh.triangles() {
-                let [a, b, c] = t.map(|i| mesh.position(i));
-                let area = (b - a).cross(c - a);
-                sum += area;
-                let [x, y, z] = mesh.normals();
-                let i = t[0] as usize;
-                let n = DVec3::new(x[i].into(), y[i].into(), z[i].into());
-                agree += usize::from(n.dot(area) > 0.0);
+            for _ in 0..2000 {
+                let (u, v) = (random.range(0.01, 0.99), random.range(0.05, 0.95));
+                // Within a few steps of an edge there is no tangent plane to compare with.
+                let off_edge = |x: f64| (x * 4.0 - (x * 4.0).round()).abs() > 0.01;
+                if !(off_edge(u) && off_edge(v)) {
+                    continue;
+                }
+                let du = surface.point(u + STEP, v) - surface.point(u - STEP, v);
+                let dv = surface.point(u, v + STEP) - surface.point(u, v - STEP);
+                let n = du.cross(dv).normalize();
+                let cosine = surface.normal(u, v).dot(n);
+                assert!(cosine > 1.0 - 1e-5, "{surface:?} at {u}, {v}: {cosine}");
             }
-            assert!(sum.length() < 1e-4, "{surface:?} gapes by {sum}");
-            assert!(
-                agree * 100 > mesh.triangles().len() * 97,
-                "{surface:?}: {agree}"
-            );
-            let (_, radius) = mesh.bounds();
-            assert!(radius < 1.85, "{surface:?}: {radius}");
         }
     }
 
     #[test]
-    fn sphere_has_the_volume_of_a_sphere() {
-        let volume = signed_volume(&tessellate(ParametricSurface::Sphere, 128, 64));
-        // An inscribed polyhedron lacks about (2π²/3)(1/n²) of it, n steps round.
-        let exact = 4.0 / 3.0 * std::f64::consts::PI;
-        assert!((volume / exact - 1.0).abs() < 2e-3, "{volume}");
+    fn superellipsoids_keep_their_equation() {
+        let random = &mut Stream::new(2, Role::Scene, 0);
+        for exponents @ [n, e] in [[0.35, 0.35], [1.8, 1.8], [0.5, 2.5], [3.0, 1.0]] {
+            let surface = ParametricSurface::Superellipsoid { exponents };
+            for _ in 0..1000 {
+                let p = surface.point(random.uniform(), random.uniform());
+                let ring = pow(p.x.abs(), 2.0 / e) + pow(p.z.abs(), 2.0 / e);
+                let value = pow(ring, e / n) + pow(p.y.abs(), 2.0 / n);
+                assert!((value - 1.0).abs() < 1e-9, "{exponents:?}: {value}");
+            }
+        }
     }
 }

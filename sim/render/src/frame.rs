@@ -1,11 +1,12 @@
 use foveasim_assets::Scene;
 use foveasim_models::{
-    Image, Lattice, Map, Msaa, Pass, Region, Resolve, SamplePlan, Shading, View, Viewport,
-    Visibility, Work,
+    Image, Lattice, Map, Pass, Region, Resolve, SamplePlan, Shading, View, Viewport, Visibility,
+    Work,
 };
 use glam::UVec2;
 
-use crate::{RenderError, RenderOptions, pass, resolve};
+use crate::visible::PassObjects;
+use crate::{RenderError, RenderOptions, live, pass, resolve};
 
 /// Most samples along one side of a pass.
 const LARGEST_SIDE: u32 = 16_384;
@@ -29,7 +30,7 @@ pub struct Frame {
     pub image: Image,
     /// All work: of the passes, and of putting them together.
     pub work: Work,
-    /// The work of each pass, in the plan's order.
+    /// The work of each pass, in the plan's order; without vertices, where passes share them.
     pub pass_work: Vec<Work>,
     /// The samples of each pass, in the plan's order; empty unless
     /// [`keep_passes`](RenderOptions::keep_passes) asks for them.
@@ -50,14 +51,35 @@ pub fn render(
     options: &RenderOptions,
 ) -> Result<Frame, RenderError> {
     check(view, plan, options)?;
+    let count = plan.passes.len();
+    let objects: Vec<_> = (0..count)
+        .map(|k| PassObjects::of(scene, view, plan, k, options))
+        .collect();
+    let shared = options
+        .skip
+        .repeated_vertices
+        .then(|| PassObjects::shared(&objects, scene, view, options));
+    let geometry_work = shared.as_ref().map_or(Work::default(), |g| g.work);
     let (mut passes, mut pass_work) = (Vec::new(), Vec::new());
-    for p in &plan.passes {
-        let (image, work) = pass::draw(scene, view, p, options);
+    for (k, objects) in objects.iter().enumerate() {
+        let own;
+        let geometry = match &shared {
+            Some(geometry) => geometry,
+            None => {
+                own = objects.geometry(scene, view, options);
+                &own
+            }
+        };
+        let (image, mut work) = pass::draw(scene, view, plan, k, geometry, objects, options);
+        if shared.is_none() {
+            work += geometry.work;
+        }
         passes.push(image);
         pass_work.push(work);
     }
     let (image, passes, resolve_work) = resolve::resolve(view, plan, passes, options);
     let mut work = resolve_work;
+    work += geometry_work;
     for w in &pass_work {
         work += *w;
     }
@@ -212,12 +234,35 @@ fn check_pass(pass: &Pass, view: &View) -> Result<(), String> {
         }
         other => return Err(format!("cannot draw a map of kind {other:?}")),
     }
-    if pass.visibility != Visibility::Own(Msaa::One)
-        || pass.shading != Shading::PerSample
-        || pass.region != Region::All
-        || pass.offset != glam::DVec2::ZERO
-    {
-        return Err("can only draw visibility and shading once per sample".into());
+    let Visibility::Own(_) = pass.visibility else {
+        return Err(format!("cannot find visibility by {:?}", pass.visibility));
+    };
+    let grid = live::grid(pass);
+    match &pass.shading {
+        Shading::PerSample => {}
+        Shading::Coarse(rates) if rates.lattice() == grid => {}
+        Shading::Coarse(rates) => {
+            let other = rates.lattice();
+            return Err(format!(
+                "its shading rates are for {other} samples, not for {grid}"
+            ));
+        }
+        other => return Err(format!("cannot shade by {other:?}")),
+    }
+    match &pass.region {
+        Region::All => {}
+        Region::Cells(mask) if mask.lattice() == grid => {}
+        Region::Cells(mask) => {
+            let other = mask.lattice();
+            return Err(format!("its region is for {other} samples, not for {grid}"));
+        }
+        other => return Err(format!("cannot draw a region of kind {other:?}")),
+    }
+    if !(pass.offset.abs().max_element() <= 0.5) {
+        let offset = pass.offset;
+        return Err(format!(
+            "its samples are shifted by {offset} of a step: at most half a step"
+        ));
     }
     Ok(())
 }

@@ -23,16 +23,20 @@
 //! [`Work`]: foveasim_models::Work
 
 mod error;
+mod fragments;
 mod frame;
 mod kernels;
+mod live;
+mod msaa;
 mod options;
 mod pass;
 mod project;
 mod raster;
 mod resolve;
 mod tile;
+mod visible;
 
 pub use error::RenderError;
 pub use frame::{Frame, render};
-pub use options::{RenderOptions, Simd};
+pub use options::{RenderOptions, Simd, Skip};
 pub use pass::{Surfel, visibility};

@@ -1,6 +1,8 @@
+use foveasim_assets::LodRule;
+
 use crate::RenderError;
 
-/// How to draw. Nothing here but `near_m` changes the picture. Made by changing the default:
+/// How to draw. Nothing here but `near_m`, `lod` and `skip.back_faces` changes the picture. Made by changing the default:
 /// `RenderOptions { simd, ..RenderOptions::default() }`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RenderOptions {
@@ -11,6 +13,54 @@ pub struct RenderOptions {
     /// Whether the frame keeps the samples of its passes beside its image, for what is made of them
     /// later. They can take several times the memory of the image; by default they are dropped.
     pub keep_passes: bool,
+    /// Which of an instance's levels of detail is drawn. Coarser ones change the picture, within the bounds
+    /// that [`LodRule`] gives.
+    pub lod: LodRule,
+    /// What is left out because the picture does not need it.
+    pub skip: Skip,
+}
+
+/// Work that a picture does not need, each part to be left out or done all the same: for measuring what
+/// leaving it out saves. All are left out by default.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Skip {
+    /// Triangles seen from behind. Closed surfaces look the same without; open ones lose their backs,
+    /// unless their instance is [`two_sided`](foveasim_assets::Instance::two_sided).
+    pub back_faces: bool,
+    /// Instances whose bounds lie outside the view of a pass. The picture is the same, bit for bit.
+    pub outside: bool,
+    /// Triangles behind all that a tile, or one of its cells of 8 × 8 samples, shows already. The
+    /// picture is the same, bit for bit.
+    pub occluded: bool,
+    /// Samples that inner layers hide. The picture is the same, bit for bit.
+    pub hidden: bool,
+    /// Transforming vertices for each pass anew. The picture is the same, bit for bit.
+    pub repeated_vertices: bool,
+}
+
+impl Skip {
+    /// Everything that can be left out.
+    pub const ALL: Self = Self {
+        back_faces: true,
+        outside: true,
+        occluded: true,
+        hidden: true,
+        repeated_vertices: true,
+    };
+    /// Nothing.
+    pub const NONE: Self = Self {
+        back_faces: false,
+        outside: false,
+        occluded: false,
+        hidden: false,
+        repeated_vertices: false,
+    };
+}
+
+impl Default for Skip {
+    fn default() -> Self {
+        Self::ALL
+    }
 }
 
 /// Which instructions the kernels use; the pictures are the same, bit for bit.
@@ -30,6 +80,8 @@ impl Default for RenderOptions {
             simd: Simd::Auto,
             near_m: 0.05,
             keep_passes: false,
+            lod: LodRule::default(),
+            skip: Skip::ALL,
         }
     }
 }

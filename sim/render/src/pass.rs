@@ -1,12 +1,18 @@
 use foveasim_assets::Scene;
-use foveasim_models::{Image, Lattice, Map, Pass, SamplePlan, View, Work};
+use foveasim_models::{Image, Map, Msaa, Pass, SamplePlan, View, Visibility, Work};
 use glam::UVec2;
 use rayon::prelude::*;
 
+use crate::fragments::{Fragments, Rates};
 use crate::kernels::{Attributes, RasterizeTile, ShadeContext, ShadeTile, dispatch};
+use crate::live::{Live, grid};
+use crate::msaa::offsets;
 use crate::project::Projection;
-use crate::raster::{Bins, Geometry, SetUpTriangle, TriangleRef, attributes, set_up, transform};
-use crate::tile::{SampleTile, TILE, TILE_SAMPLES, TileBuffers, position_of};
+use crate::raster::{
+    Needs, PassTriangles, SetUp, SetUpTriangle, TriangleRef, ViewGeometry, attributes, set_up,
+};
+use crate::tile::{SampleTile, TILE, TILE_SAMPLES, TileBuffers, position_of, sampled};
+use crate::visible::PassObjects;
 use crate::{RenderError, RenderOptions};
 
 /// What one sample sees.
@@ -14,13 +20,16 @@ use crate::{RenderError, RenderOptions};
 pub struct Surfel {
     /// Index of the instance in the scene.
     pub instance: u32,
-    /// Index of the triangle in its mesh.
+    /// Index of the mesh drawn for it.
+    pub mesh: u32,
+    /// Index of the triangle in that mesh.
     pub triangle: u32,
     /// Distance along the view axis \[m\].
     pub depth_m: f32,
 }
 
-/// What each sample of pass `pass` of the plan sees, row by row; `None` is sky.
+/// What each sample of pass `pass` of the plan sees, row by row; `None` is sky, or not drawn. With
+/// several positions of visibility per sample, what is seen at the first.
 ///
 /// # Errors
 /// As [`render`](crate::render); also if there is no such pass.
@@ -32,60 +41,57 @@ pub fn visibility(
     options: &RenderOptions,
 ) -> Result<Vec<Option<Surfel>>, RenderError> {
     crate::frame::check(view, plan, options)?;
-    let Some(pass) = plan.passes.get(pass) else {
+    if pass >= plan.passes.len() {
         let why = format!("there are {} passes, counted from 0", plan.passes.len());
         return Err(RenderError::Pass {
             method: plan.method.clone(),
             pass,
             why,
         });
-    };
-    let drawing = Drawing::new(scene, view, pass, options);
+    }
+    let objects = PassObjects::of(scene, view, plan, pass, options);
+    let geometry = objects.geometry(scene, view, options);
+    let drawing = Drawing::new(scene, view, plan, pass, &geometry, &objects, options);
     let size = drawing.projection.size;
     let mut surfels = vec![None; size.x as usize * size.y as usize];
-    let mut buffers = TileBuffers::new();
+    let mut scratch = Scratch::new(&drawing);
     for (x, y) in tiles(size) {
-        let tile = SampleTile::of(pass, x, y);
-        let bin = drawing.bins.tile(x, y);
-        drawing.find_visible(&tile, bin, &mut buffers, &mut Work::default());
-        for (index, &slot) in buffers
-            .slot
-            .iter()
-            .enumerate()
-            .filter(|(_, slot)| **slot != 0)
-        {
-            let t = bin[slot as usize - 1].get(&drawing.lists);
-            let [px, py] = position_of(index);
-            if px >= tile.size.x || py >= tile.size.y {
-                continue;
+        let tile = SampleTile::of(&plan.passes[pass], x, y);
+        drawing.find_visible(&tile, &mut scratch, &mut Work::default());
+        for (place, index) in drawing.samples(&tile, &scratch.buffers) {
+            let slot = scratch.buffers.slot[index];
+            if slot != 0 {
+                let t = drawing.triangles.get(scratch.names[slot as usize - 1]);
+                let object = &geometry.objects[t.object as usize];
+                surfels[place] = Some(Surfel {
+                    instance: object.instance,
+                    mesh: object.mesh,
+                    triangle: t.index() as u32,
+                    depth_m: 1.0 / scratch.buffers.depth[index],
+                });
             }
-            let place =
-                (tile.origin.y + py) as usize * size.x as usize + (tile.origin.x + px) as usize;
-            surfels[place] = Some(Surfel {
-                instance: drawing.geometry.drawn[t.drawn as usize].instance,
-                triangle: t.triangle,
-                depth_m: 1.0 / buffers.depth[index],
-            });
         }
     }
     Ok(surfels)
 }
 
-/// Draws a pass: the colour of each of its samples, and the work it took.
+/// Draws pass `index` of a plan: the colour of each of its samples, and the work it took.
 pub(crate) fn draw(
     scene: &Scene,
     view: &View,
-    pass: &Pass,
+    plan: &SamplePlan,
+    index: usize,
+    geometry: &ViewGeometry,
+    objects: &PassObjects,
     options: &RenderOptions,
 ) -> (Image, Work) {
-    let Lattice::Grid(size) = pass.lattice else {
-        unreachable!("only grids pass the checks")
-    };
+    let pass = &plan.passes[index];
+    let size = grid(pass);
     let mut image = Image::filled(size, [0.0; 3]);
     if size.x == 0 || size.y == 0 {
         return (image, Work::default());
     }
-    let drawing = Drawing::new(scene, view, pass, options);
+    let drawing = Drawing::new(scene, view, plan, index, geometry, objects, options);
     let context = ShadeContext::new(scene, view.poses[0], &drawing.projection);
     let mut work = drawing.work;
     work.passes = 1;
@@ -101,10 +107,13 @@ pub(crate) fn draw(
     }
     let works: Vec<Work> = jobs
         .into_par_iter()
-        .map_init(Scratch::new, |scratch, ((x, y), mut rows)| {
-            let tile = SampleTile::of(pass, x, y);
-            drawing.draw_tile(&context, &tile, drawing.bins.tile(x, y), &mut rows, scratch)
-        })
+        .map_init(
+            || Scratch::new(&drawing),
+            |scratch, ((x, y), mut rows)| {
+                let tile = SampleTile::of(pass, x, y);
+                drawing.draw_tile(&context, &tile, &mut rows, scratch)
+            },
+        )
         .collect();
     for tile in works {
         work += tile;
@@ -122,157 +131,194 @@ fn tiles(size: UVec2) -> impl Iterator<Item = (u32, u32)> {
 struct Drawing<'a> {
     scene: &'a Scene,
     options: &'a RenderOptions,
+    geometry: &'a ViewGeometry,
     projection: Projection,
-    geometry: Geometry,
-    lists: Vec<Vec<SetUpTriangle>>,
-    bins: Bins,
+    msaa: Msaa,
+    rates: Rates<'a>,
+    live: Live<'a>,
+    triangles: PassTriangles,
+    /// For each material, what it reads of a triangle.
+    needs: Vec<Needs>,
     work: Work,
 }
 
 /// Memory that a worker uses for one tile after the other.
 struct Scratch {
     buffers: TileBuffers,
-    /// Samples in the order of their materials, sky first.
-    order: Vec<u16>,
-    /// First sample of each material in `order`.
-    first: Vec<u32>,
-    triangles: Vec<Attributes>,
-    triangle_of_slot: Vec<u32>,
+    names: Vec<TriangleRef>,
+    fragments: Fragments,
+    attributes: Vec<Attributes>,
+    edges: Vec<[[f32; 3]; 4]>,
 }
 
 impl Scratch {
-    fn new() -> Self {
+    fn new(drawing: &Drawing<'_>) -> Self {
         Self {
-            buffers: TileBuffers::new(),
-            order: vec![0; TILE_SAMPLES],
-            first: Vec::new(),
-            triangles: Vec::new(),
-            triangle_of_slot: Vec::new(),
+            buffers: TileBuffers::new(drawing.msaa.positions() as usize),
+            names: Vec::new(),
+            fragments: Fragments::new(drawing.scene.materials().len()),
+            attributes: Vec::new(),
+            edges: Vec::new(),
         }
     }
 }
 
+/// The projection of a pass: onto the positions where its samples are taken.
+pub(crate) fn projection(view: &View, pass: &Pass, options: &RenderOptions) -> Projection {
+    let Map::Affine(map) = sampled(pass) else {
+        unreachable!("only affine maps pass the checks")
+    };
+    Projection::new(&view.optics, &map, grid(pass), options.near_m)
+}
+
 impl<'a> Drawing<'a> {
-    fn new(scene: &'a Scene, view: &View, pass: &Pass, options: &'a RenderOptions) -> Self {
-        let (Lattice::Grid(size), Map::Affine(map)) = (pass.lattice, pass.map) else {
-            unreachable!("only affine grids pass the checks")
+    fn new(
+        scene: &'a Scene,
+        view: &'a View,
+        plan: &'a SamplePlan,
+        index: usize,
+        geometry: &'a ViewGeometry,
+        objects: &PassObjects,
+        options: &'a RenderOptions,
+    ) -> Self {
+        let pass = &plan.passes[index];
+        let projection = projection(view, pass, options);
+        let Visibility::Own(msaa) = pass.visibility else {
+            unreachable!("only visibility of its own passes the checks")
         };
-        let projection = Projection::new(&view.optics, &map, size, options.near_m);
-        let geometry = transform(scene, view.poses[0], &projection, options.simd);
-        let (lists, setup_work) = set_up(scene, &geometry, &projection);
-        let bins = Bins::new(&lists, size);
-        let mut work = geometry.work;
-        work += setup_work;
+        let pass_set_up = SetUp {
+            scene,
+            geometry,
+            projection: &projection,
+            options,
+            reach: offsets::reach(msaa),
+        };
+        let (triangles, mut work) = set_up(&pass_set_up, &objects.in_geometry(geometry));
+        work += objects.work;
         Self {
             scene,
             options,
-            projection,
             geometry,
-            lists,
-            bins,
+            projection,
+            msaa,
+            rates: Rates::of(&pass.shading),
+            live: Live::new(plan, index, &view.optics, options.skip.hidden),
+            triangles,
+            needs: scene.materials().iter().map(Needs::of).collect(),
             work,
         }
     }
 
-    fn find_visible(
+    /// Place in the pass and in the buffers (first position) of each sample of a tile that is drawn.
+    fn samples(
         &self,
         tile: &SampleTile,
-        bin: &[TriangleRef],
-        buffers: &mut TileBuffers,
-        work: &mut Work,
-    ) {
-        let lists = &self.lists;
-        dispatch(
-            self.options.simd,
-            RasterizeTile {
-                tile,
-                bin,
-                lists,
-                buffers,
-                work,
-            },
-        );
+        buffers: &TileBuffers,
+    ) -> impl Iterator<Item = (usize, usize)> {
+        let (origin, across) = (tile.origin, self.projection.size.x as usize);
+        let positions = self.msaa.positions() as usize;
+        (0..TILE_SAMPLES)
+            .filter(|i| buffers.valid[i / 8] >> (i % 8) & 1 != 0)
+            .map(move |i| {
+                let [x, y] = position_of(i);
+                let place = (origin.y + y) as usize * across + (origin.x + x) as usize;
+                (place, i / 8 * 8 * positions + i % 8)
+            })
+    }
+
+    /// Whether anything of the tile is drawn.
+    fn find_visible(&self, tile: &SampleTile, scratch: &mut Scratch, work: &mut Work) -> bool {
+        scratch.buffers.clear(tile, &self.live);
+        self.live.count(tile, &scratch.buffers.valid, work);
+        if scratch.buffers.valid.iter().all(|lanes| *lanes == 0) {
+            scratch.names.clear();
+            return false;
+        }
+        let place = tile.origin / TILE;
+        self.triangles.tile(place.x, place.y, &mut scratch.names);
+        let kernel = RasterizeTile {
+            tile,
+            triangles: &self.triangles,
+            names: &scratch.names,
+            objects: &self.geometry.objects,
+            msaa: self.msaa,
+            skip_occluded: self.options.skip.occluded,
+            buffers: &mut scratch.buffers,
+            work,
+        };
+        dispatch(self.options.simd, kernel);
+        true
+    }
+
+    fn material(&self, t: &SetUpTriangle) -> usize {
+        let instance = self.geometry.objects[t.object as usize].instance;
+        self.scene.instances()[instance as usize].material
     }
 
     fn draw_tile(
         &self,
         context: &ShadeContext<'_>,
         tile: &SampleTile,
-        bin: &[TriangleRef],
         rows: &mut [&mut [[f32; 3]]],
         scratch: &mut Scratch,
     ) -> Work {
         let mut work = Work::default();
-        self.find_visible(tile, bin, &mut scratch.buffers, &mut work);
-        self.sort_by_material(bin, scratch);
-        let sky = scratch.first[1];
-        work.samples_sky = sky.into();
-        let total = scratch.first[scratch.first.len() - 1];
-        work.samples_shaded = (total - sky).into();
-        for bucket in 0..scratch.first.len() - 1 {
-            let range = scratch.first[bucket] as usize..scratch.first[bucket + 1] as usize;
-            if range.is_empty() {
+        if !self.find_visible(tile, scratch, &mut work) {
+            return work;
+        }
+        let Scratch {
+            buffers,
+            names,
+            fragments,
+            attributes: prepared,
+            edges,
+        } = scratch;
+        fragments.collect(
+            tile,
+            buffers,
+            self.msaa,
+            self.rates,
+            names
+                .iter()
+                .map(|name| self.material(self.triangles.get(*name)) as u32),
+            &mut work,
+        );
+        prepared.clear();
+        prepared.extend(fragments.visible.iter().map(|&slot| {
+            let t = self.triangles.get(names[slot as usize - 1]);
+            let needs = self.needs[self.material(t)];
+            attributes(self.scene, self.geometry, t, &self.projection, needs)
+        }));
+        edges.clear();
+        edges.resize(fragments.edges.len(), [[0.0; 3]; 4]);
+        for bucket in 0..fragments.buckets.len() {
+            let work = &fragments.buckets[bucket];
+            if work.blocks.is_empty() && work.fragments.is_empty() {
                 continue;
             }
+            let nothing = Needs {
+                object: false,
+                uv: false,
+            };
             let kernel = ShadeTile {
                 context,
                 tile,
-                material: bucket.checked_sub(1).map(|m| m as u32),
-                samples: &scratch.order[range],
-                triangles: &scratch.triangles,
-                triangle_of_slot: &scratch.triangle_of_slot,
-                slot: &scratch.buffers.slot,
-                depth: &scratch.buffers.depth,
+                bucket,
+                needs: bucket.checked_sub(1).map_or(nothing, |m| self.needs[m]),
+                fragments,
+                triangles: prepared,
+                buffers,
+                msaa: self.msaa,
                 out: rows,
+                edges,
             };
             dispatch(self.options.simd, kernel);
         }
+        // In pairs, so that four equal colours give that colour, bit for bit.
+        for (&[x, y], [a, b, c, d]) in fragments.edges.iter().zip(edges.iter()) {
+            rows[y as usize][x as usize] =
+                std::array::from_fn(|k| ((a[k] + b[k]) + (c[k] + d[k])) * 0.25);
+        }
         work
-    }
-
-    /// Orders the tile's samples by material (a stable counting sort), and prepares the attributes of
-    /// each visible triangle once.
-    fn sort_by_material(&self, bin: &[TriangleRef], scratch: &mut Scratch) {
-        const UNSEEN: u32 = u32::MAX;
-        let Scratch {
-            buffers,
-            order,
-            first,
-            triangles,
-            triangle_of_slot,
-        } = scratch;
-        triangles.clear();
-        triangle_of_slot.clear();
-        triangle_of_slot.resize(bin.len() + 1, UNSEEN);
-        let buckets = self.scene.materials().len() + 1;
-        first.clear();
-        first.resize(buckets + 1, 0);
-        let valid = |i: usize| buffers.valid[i / 8] & (1 << (i % 8)) != 0;
-        let bucket = |slot: u32| match slot {
-            0 => 0,
-            _ => bin[slot as usize - 1].get(&self.lists).material as usize + 1,
-        };
-        for (_, &slot) in buffers.slot.iter().enumerate().filter(|(i, _)| valid(*i)) {
-            first[bucket(slot) + 1] += 1;
-            if slot != 0 && triangle_of_slot[slot as usize] == UNSEEN {
-                triangle_of_slot[slot as usize] = triangles.len() as u32;
-                let triangle = bin[slot as usize - 1].get(&self.lists);
-                triangles.push(attributes(
-                    self.scene,
-                    &self.geometry,
-                    triangle,
-                    &self.projection,
-                ));
-            }
-        }
-        for i in 0..buckets {
-            first[i + 1] += first[i];
-        }
-        let mut next = first.clone();
-        for (i, &slot) in buffers.slot.iter().enumerate().filter(|(i, _)| valid(*i)) {
-            let place = &mut next[bucket(slot)];
-            order[*place as usize] = i as u16;
-            *place += 1;
-        }
     }
 }

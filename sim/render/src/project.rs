@@ -1,6 +1,8 @@
 use foveasim_models::{Affine, Viewport};
 use glam::{DVec2, DVec3, UVec2};
 
+use crate::raster::EyeVertex;
+
 /// Sub-sample positions per sample: vertices are snapped to this grid.
 pub(crate) const SUBSAMPLES: i32 = 256;
 
@@ -13,6 +15,26 @@ pub(crate) const GUARD_SAMPLES: f64 = 16_383.0;
 /// [samples]; a sample beyond the guard, for rounding.
 const SNAP_SAMPLES: i32 = GUARD_SAMPLES as i32 + 1;
 
+/// From eye space to display pixels: the part of a projection that all passes of a view share.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Optics {
+    /// Display pixels per unit of tangent; y points down.
+    pub(crate) px_per_tan: [f32; 2],
+    /// Display pixel of the axis.
+    pub(crate) axis_px: [f32; 2],
+}
+
+impl Optics {
+    pub(crate) fn new(optics: &Viewport) -> Self {
+        let step = optics.pixel_tan();
+        let axis = optics.axis_px();
+        Self {
+            px_per_tan: [(1.0 / step.x) as f32, (-1.0 / step.y) as f32],
+            axis_px: [axis.x as f32, axis.y as f32],
+        }
+    }
+}
+
 /// From eye space to the samples of one pass.
 ///
 /// Snapping happens in display pixels scaled to the lattice, and whole sub-samples of the lattice's
@@ -20,12 +42,13 @@ const SNAP_SAMPLES: i32 = GUARD_SAMPLES as i32 + 1;
 /// vertex alike, and see the same picture bit for bit.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct Projection {
-    /// Display pixels per unit of tangent; y points down.
-    pub(crate) px_per_tan: [f32; 2],
-    /// Display pixel of the axis.
-    pub(crate) axis_px: [f32; 2],
+    pub(crate) optics: Optics,
     /// Sub-samples per display pixel.
     pub(crate) sub_per_px: [f32; 2],
+    /// Display pixels per sub-sample.
+    pub(crate) px_per_sub: [f32; 2],
+    /// Tangent per display pixel.
+    pub(crate) tan_per_px: [f32; 2],
     /// Fraction of a sub-sample of the origin.
     pub(crate) origin_fraction: [f32; 2],
     /// Whole sub-samples of the origin.
@@ -42,15 +65,15 @@ pub(crate) struct Projection {
 impl Projection {
     pub(crate) fn new(optics: &Viewport, map: &Affine, size: UVec2, near: f64) -> Self {
         let step = optics.pixel_tan();
-        let axis = optics.axis_px();
         let sub = f64::from(SUBSAMPLES) / map.scale;
         let origin = map.origin * sub;
         let whole = origin.floor();
         let single = |v: DVec2| [v.x as f32, v.y as f32];
         Self {
-            px_per_tan: single(DVec2::new(1.0 / step.x, -1.0 / step.y)),
-            axis_px: single(axis),
+            optics: Optics::new(optics),
             sub_per_px: single(sub),
+            px_per_sub: single(1.0 / sub),
+            tan_per_px: single(DVec2::new(step.x, -step.y)),
             origin_fraction: single(origin - whole),
             origin_whole: [whole.x as i32, whole.y as i32],
             size,
@@ -90,16 +113,60 @@ impl Projection {
         [middle - reach, middle + reach]
     }
 
-    /// Snaps a point (x, y, w in eye space, w > 0) as the vertex kernel does.
+    /// Snaps a vertex as the set-up kernel does; nothing where it is nearer than the near plane or too
+    /// far off the lattice.
+    pub(crate) fn snap_vertex(&self, v: &EyeVertex) -> Option<[i32; 2]> {
+        let ahead = v.eye[2] >= self.near as f32 && v.eye[2] <= f32::MAX;
+        let sub =
+            [0, 1].map(|k| (v.px[k] * self.sub_per_px[k] - self.origin_fraction[k] + 0.5).floor());
+        let within = (0..2).all(|k| {
+            let [low, high] = self.usable_range(k);
+            sub[k] >= low && sub[k] <= high
+        });
+        (ahead && within).then(|| [0, 1].map(|k| sub[k] as i32 - self.origin_whole[k]))
+    }
+
+    /// What a vertex may be snapped to along `axis` without being clipped: a few samples inside the
+    /// guard, for the rounding of this very test. In sub-samples, before the whole sub-samples of the
+    /// origin are subtracted.
+    pub(crate) fn usable_range(&self, axis: usize) -> [f32; 2] {
+        let middle = self.origin_whole[axis] + self.size[axis] as i32 * (SUBSAMPLES / 2);
+        let reach = (GUARD_SAMPLES as i32 - 4) * SUBSAMPLES;
+        [(middle - reach) as f32, (middle + reach) as f32]
+    }
+
+    /// Snaps a point (x, y, w in eye space, w > 0) that clipping made.
     pub(crate) fn snap(&self, p: DVec3) -> [i32; 2] {
         let axis = |c: f64, k: usize| {
-            let px = c / p.z * f64::from(self.px_per_tan[k]) + f64::from(self.axis_px[k]);
+            let px =
+                c / p.z * f64::from(self.optics.px_per_tan[k]) + f64::from(self.optics.axis_px[k]);
             let sub = px * f64::from(self.sub_per_px[k]) - f64::from(self.origin_fraction[k]);
             let [low, high] = self.snap_range(k);
             // The cast saturates, and makes 0 of NaN.
             ((sub + 0.5).floor() as i32).clamp(low, high) - self.origin_whole[k]
         };
         [axis(p.x, 0), axis(p.y, 1)]
+    }
+
+    /// Whether three vertices lie all behind the near plane, or all beyond the same edge of the lattice
+    /// by more than a sample.
+    pub(crate) fn all_beyond_one_side(&self, v: [&EyeVertex; 3]) -> bool {
+        let near = self.near as f32;
+        if v.iter().all(|v| v.eye[2] < near) {
+            return true;
+        }
+        let (scale, shift) = self.lattice_from_tangent();
+        (0..2).any(|k| {
+            let size = self.size[k] as f32;
+            // Lattice position times w, for planes that hold in front and behind alike.
+            let at = v.map(|v| {
+                (
+                    v.eye[k] * scale[k] as f32 + v.eye[2] * shift[k] as f32,
+                    v.eye[2],
+                )
+            });
+            at.iter().all(|(p, w)| *p < -w) || at.iter().all(|(p, w)| *p > w * (size + 1.0))
+        })
     }
 
     /// Inward normals (x, y, w) of the four planes through the eye and the lattice's edges.

@@ -1,6 +1,8 @@
 use foveasim_models::{Affine, Lattice, Map, Pass};
 use glam::UVec2;
 
+use crate::live::Live;
+
 /// Samples along each side of a tile: depth and identity of one fit the first-level cache.
 pub(crate) const TILE: u32 = 64;
 /// Samples of a tile.
@@ -10,6 +12,11 @@ pub(crate) const BLOCK: [u32; 2] = [4, 2];
 /// Blocks along a row of blocks.
 pub(crate) const BLOCKS_ACROSS: u32 = TILE / BLOCK[0];
 
+/// Samples along each side of a cell, the unit of coarse acceptance and rejection.
+pub(crate) const CELL: i32 = 8;
+/// Cells along a row of cells.
+pub(crate) const CELLS_ACROSS: i32 = TILE as i32 / CELL;
+
 /// A square of samples of one pass, and where they lie on the display: what every kind of visibility
 /// and all shading consume. Which kind of map it is, is asked once per tile, not per sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -18,7 +25,7 @@ pub(crate) struct SampleTile {
     pub(crate) origin: UVec2,
     /// Samples across and down, at most [`TILE`]; fewer at the lattice's end.
     pub(crate) size: UVec2,
-    /// Lattice position to display pixels.
+    /// Lattice position to the display pixels where samples are taken.
     pub(crate) map: Map,
 }
 
@@ -32,7 +39,7 @@ impl SampleTile {
         Self {
             origin,
             size: (grid - origin).min(UVec2::splat(TILE)),
-            map: pass.map,
+            map: sampled(pass),
         }
     }
 
@@ -45,8 +52,19 @@ impl SampleTile {
     }
 }
 
-/// Place of sample (x, y) in a tile's buffers.
-#[cfg(test)]
+/// The map of a pass with its shift: where samples are taken, not what they stand for.
+pub(crate) fn sampled(pass: &Pass) -> Map {
+    match pass.map {
+        Map::Affine(map) => Map::Affine(Affine {
+            origin: map.origin + pass.offset * map.scale,
+            ..map
+        }),
+        other => other,
+    }
+}
+
+/// Place of sample (x, y) in a tile's buffers, for one position of visibility.
+#[inline(always)]
 pub(crate) fn index_of(x: u32, y: u32) -> usize {
     let block = (y / BLOCK[1]) * BLOCKS_ACROSS + x / BLOCK[0];
     (block * 8 + (y % BLOCK[1]) * BLOCK[0] + x % BLOCK[0]) as usize
@@ -62,30 +80,44 @@ pub(crate) fn position_of(index: usize) -> [u32; 2] {
     ]
 }
 
-/// What is visible at each sample of a tile.
+/// What is visible at each position of visibility of a tile's samples: for each block, eight lanes of the
+/// first position, then of the next.
 #[derive(Debug)]
 pub(crate) struct TileBuffers {
     /// 1/w of the nearest triangle so far [1/m]; 0 where there is none.
     pub(crate) depth: Vec<f32>,
-    /// One more than its place in the tile's bin; 0 where there is none.
+    /// One more than its place in the tile's list; 0 where there is none.
     pub(crate) slot: Vec<u32>,
-    /// For each block, the lanes that are samples of the lattice.
+    /// For each block, the lanes that are drawn.
     pub(crate) valid: Vec<u8>,
+    /// For each cell, a lower bound of 1/w over it.
+    pub(crate) farthest: [f32; (CELLS_ACROSS * CELLS_ACROSS) as usize],
+    /// For each cell, how many triangles have been drawn in it since that bound was found.
+    pub(crate) changed: [u8; (CELLS_ACROSS * CELLS_ACROSS) as usize],
+    /// Room for the blocks of four cells, at four positions each; and one more, so that the next may be
+    /// written before it is known whether it counts.
+    pub(crate) found: [u32; 4 * 8 * 4 + 1],
 }
 
 impl TileBuffers {
-    pub(crate) fn new() -> Self {
+    /// For up to `positions` positions of visibility per sample.
+    pub(crate) fn new(positions: usize) -> Self {
         Self {
-            depth: vec![0.0; TILE_SAMPLES],
-            slot: vec![0; TILE_SAMPLES],
+            depth: vec![0.0; TILE_SAMPLES * positions],
+            slot: vec![0; TILE_SAMPLES * positions],
             valid: vec![0xff; TILE_SAMPLES / 8],
+            farthest: [0.0; (CELLS_ACROSS * CELLS_ACROSS) as usize],
+            changed: [0; (CELLS_ACROSS * CELLS_ACROSS) as usize],
+            found: [0; 4 * 8 * 4 + 1],
         }
     }
 
-    /// Empties the buffers for `tile`.
-    pub(crate) fn clear(&mut self, tile: &SampleTile) {
+    /// Empties the buffers for `tile`, of which only `live` samples are drawn.
+    pub(crate) fn clear(&mut self, tile: &SampleTile, live: &Live<'_>) {
         self.depth.fill(0.0);
         self.slot.fill(0);
+        self.farthest.fill(0.0);
+        self.changed.fill(0);
         self.valid.fill(0xff);
         if tile.size != UVec2::splat(TILE) {
             for (block, valid) in self.valid.iter_mut().enumerate() {
@@ -96,6 +128,7 @@ impl TileBuffers {
                 *valid = (0..8).map(|lane| u8::from(inside(lane)) << lane).sum();
             }
         }
+        live.clear_dead(tile, &mut self.valid);
     }
 }
 

@@ -42,6 +42,6 @@ pub use scenario::{
 };
 pub use supersample::supersampled;
 pub use sweep::{
-    DensityAt, GazeAt, Resolution, SWEEP_COLUMNS, Sweep, SweepDisplay, SweepEye, SweepRow,
+    DensityAt, Drawn, GazeAt, Resolution, SWEEP_COLUMNS, Sweep, SweepDisplay, SweepEye, SweepRow,
 };
 pub use temporal::{FrameSource, TemporalQuality, TemporalRing, TemporalStudy};

@@ -145,13 +145,13 @@ impl Run {
             |e| format!("the eye was within {:.1} degrees of the drawn fovea in 95 % of displayed frames", e.p95),
         );
         format!(
-            "{} needs {:.1} times fewer samples than full resolution on {} ({:.1} times with its outer \
+            "{} shades {:.1} times fewer samples than full resolution on {} ({:.1} times with its outer \
              layers at their own lower rate; {:.0} times is the floor of any method), gaze-to-photon is \
              {:.1} ms on average and below {:.1} ms in 95 % of cases, and in this recording {error}.",
             featured.method,
-            featured.sample_ratio,
+            featured.shading_ratio,
             scenario.display.title,
-            featured.sample_ratio_staggered,
+            featured.shading_ratio_staggered,
             featured.ideal_ratio,
             photon.mean_ms(),
             photon.quantile_ms(0.95),
@@ -165,6 +165,7 @@ impl Run {
             "samples_per_frame_staggered",
             "sample_ratio",
             "sample_ratio_staggered",
+            "shading_ratio",
             "ideal_ratio",
             "predicted_ms",
             "predicted_speedup",
@@ -186,6 +187,7 @@ impl Run {
                 saving.samples_staggered.into(),
                 saving.sample_ratio.into(),
                 saving.sample_ratio_staggered.into(),
+                saving.shading_ratio.into(),
                 saving.ideal_ratio.into(),
                 saving.predicted_ms.into(),
                 saving.predicted_speedup.into(),

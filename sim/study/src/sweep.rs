@@ -4,9 +4,9 @@ mod display;
 mod row;
 
 pub use display::{DensityAt, Resolution, SweepDisplay, SweepEye};
-pub use row::{COLUMNS as SWEEP_COLUMNS, SweepRow};
+pub use row::{COLUMNS as SWEEP_COLUMNS, Drawn, SweepRow};
 
-use foveasim_models::foveation::{Estimate, FloorDensity, Method, Request, ideal_samples};
+use foveasim_models::foveation::{Aim, Estimate, FloorDensity, Method, Request, ideal_samples};
 use foveasim_models::{Acuity, GazeDirection, GazeMode, ModelError};
 use glam::DVec2;
 use rayon::prelude::*;
@@ -17,7 +17,11 @@ use rayon::prelude::*;
 /// Head-mounted displays are planned eye by eye: an image plane may lie unevenly about its eye's
 /// axis and have oblong pixels; radii are optimised for gaze along the axis, ω* is the larger pixel's
 /// there, and samples are summed over the eyes. The hidden area is left out of the display's pixels and
-/// of the layer that fills the eye buffer; the floor keeps it, and so is a little high there.
+/// of the pass that draws it, the coarsest; the floor keeps it, and so is a little high there.
+///
+/// Two things can fix the gaze. A sweep's mode puts what would be tracked straight ahead and changes
+/// nothing else; a method that is [fixed](Aim::Fixed) stays there in either mode, and is designed for
+/// an eye that looks away as far as it says. The floor of its row has that reach as well.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Sweep {
     /// Displays.
@@ -26,8 +30,8 @@ pub struct Sweep {
     pub acuities: Vec<Acuity>,
     /// Where the eyes look.
     pub gazes: Vec<GazeAt>,
-    /// Whether layers follow the gaze. If fixed they stay on the axis, and so does the floor they are
-    /// compared with.
+    /// Whether tracked methods follow the gaze. If not they stay straight ahead, and so does the floor
+    /// they are compared with.
     pub gaze_mode: GazeMode,
     /// How far gaze may be off without the viewer noticing \[deg\].
     pub margins_deg: Vec<f64>,
@@ -110,52 +114,96 @@ struct Situation<'a> {
 
 impl Situation<'_> {
     fn rows(&self, methods: &[Method], mode: GazeMode) -> Result<Vec<SweepRow>, ModelError> {
-        let mut ideal = 0.0;
-        for eye in &self.display.eyes {
-            let drawn = self.drawn_gaze(eye, mode);
-            let density = FloorDensity::PerSolidAngle;
-            ideal += ideal_samples(&eye.screen, self.acuity, drawn, self.margin_deg, density)?;
-        }
+        let tracked = self.ideal(Aim::Tracked, mode)?;
         methods
             .iter()
-            .map(|&method| self.row(method, mode, ideal))
+            .map(|&method| {
+                let ideal = match method.aim() {
+                    Aim::Tracked => tracked,
+                    aim => self.ideal(aim, mode)?,
+                };
+                self.row(method, mode, ideal)
+            })
             .collect()
     }
 
-    fn row(&self, method: Method, mode: GazeMode, ideal: f64) -> Result<SweepRow, ModelError> {
-        let mut estimates = Vec::with_capacity(self.display.eyes.len());
-        let mut plan_samples = Some(0);
+    /// Samples of the continuous falloff.
+    fn ideal(&self, aim: Aim, mode: GazeMode) -> Result<f64, ModelError> {
+        let margin_deg = aim.margin_deg(self.margin_deg);
+        let mut ideal = 0.0;
         for eye in &self.display.eyes {
-            let gaze = self.drawn_gaze(eye, mode);
-            let estimate = method.estimate(&eye.screen, self.acuity, gaze, self.margin_deg)?;
-            estimates.push(without_hidden_area(estimate, eye.hidden_area_fraction));
-            plan_samples = match (plan_samples, eye.viewport) {
-                (Some(sum), Some(viewport)) => {
-                    let (eye, acuity, margin_deg) = (eye.eye, self.acuity, self.margin_deg);
-                    let request = Request {
-                        eye,
-                        viewport,
-                        acuity,
-                        gaze,
-                        margin_deg,
-                    };
-                    Some(sum + method.plan(&request)?.count().samples())
-                }
-                _ => None,
-            };
+            let gaze = self.drawn_gaze(eye, aim, mode);
+            let density = FloorDensity::PerSolidAngle;
+            ideal += ideal_samples(&eye.screen, self.acuity, gaze, margin_deg, density)?;
         }
+        Ok(ideal)
+    }
+
+    /// Each eye's closed form.
+    fn estimates(&self, method: Method, mode: GazeMode) -> Result<Vec<Estimate>, ModelError> {
+        let estimate = |eye: &SweepEye| {
+            let gaze = self.drawn_gaze(eye, method.aim(), mode);
+            let estimate = method.estimate(&eye.screen, self.acuity, gaze, self.margin_deg)?;
+            Ok(without_hidden_area(estimate, eye.hidden_area_fraction))
+        };
+        self.display.eyes.iter().map(estimate).collect()
+    }
+
+    /// What both eyes' plans draw; `None` for a display without whole pixels.
+    fn drawn(&self, method: Method, mode: GazeMode) -> Result<Option<Drawn>, ModelError> {
+        let mut drawn = Drawn::default();
+        for eye in &self.display.eyes {
+            let Some(viewport) = eye.viewport else {
+                return Ok(None);
+            };
+            let request = Request {
+                eye: eye.eye,
+                viewport,
+                acuity: self.acuity,
+                gaze: self.drawn_gaze(eye, method.aim(), mode),
+                ahead: eye.ahead(),
+                margin_deg: self.margin_deg,
+            };
+            let count = method.plan(&request)?.count();
+            drawn.samples += count.samples();
+            drawn.shadings += count.shadings();
+        }
+        Ok(Some(drawn))
+    }
+
+    /// Evaluations of shading of the fixed method over those of the tracked one: fixed as `method` is,
+    /// or with the default reach.
+    fn tracked_over_fixed(&self, method: Method, mode: GazeMode) -> Result<f64, ModelError> {
+        let fixed = match method.aim() {
+            Aim::Tracked => Aim::FIXED,
+            aim @ Aim::Fixed { .. } => aim,
+        };
+        let shadings = |aim| {
+            let estimates = self.estimates(method.with_aim(aim), mode)?;
+            Ok(estimates.iter().map(Estimate::shadings).sum::<f64>())
+        };
+        Ok(shadings(fixed)? / shadings(Aim::Tracked)?)
+    }
+
+    fn row(&self, method: Method, mode: GazeMode, ideal: f64) -> Result<SweepRow, ModelError> {
+        let aim = method.aim();
+        let mut estimates = self.estimates(method, mode)?;
         let total = |f: fn(&Estimate) -> f64| estimates.iter().map(f).sum();
         let first = &self.display.eyes[0];
-        let (true_gaze, drawn) = (self.true_gaze(first), self.drawn_gaze(first, mode));
-        let reach = |e: &SweepEye| e.screen.reach_from_deg(self.drawn_gaze(e, mode));
+        let (true_gaze, drawn) = (self.true_gaze(first), self.drawn_gaze(first, aim, mode));
+        let reach = |e: &SweepEye| e.screen.reach_from_deg(self.drawn_gaze(e, aim, mode));
         let farthest = self.display.eyes.iter().map(reach);
+        let mode_of_row = match aim {
+            Aim::Tracked => mode,
+            Aim::Fixed { .. } => GazeMode::Fixed,
+        };
         Ok(SweepRow {
             display: self.display.clone(),
             method,
             acuity: self.acuity,
             gaze_px: self.gaze_px(first).into(),
-            gaze_mode: mode,
-            gaze_error_deg: match mode {
+            gaze_mode: mode_of_row,
+            gaze_error_deg: match mode_of_row {
                 GazeMode::Tracked => 0.0,
                 GazeMode::Fixed => true_gaze.angle_to_deg(drawn),
             },
@@ -163,8 +211,11 @@ impl Situation<'_> {
             display_samples: total(|e| e.display_pixels),
             method_samples: total(Estimate::samples),
             method_samples_staggered: total(Estimate::samples_staggered),
+            method_shadings: total(Estimate::shadings),
+            method_shadings_staggered: total(Estimate::shadings_staggered),
             ideal_samples: ideal,
-            plan_samples,
+            drawn: self.drawn(method, mode)?,
+            tracked_over_fixed: self.tracked_over_fixed(method, mode)?,
             extrapolated: farthest.fold(0.0, f64::max) > MEASURED_TO_DEG,
             layers: estimates.swap_remove(0),
         })
@@ -184,10 +235,10 @@ impl Situation<'_> {
         }
     }
 
-    /// Where the layers are centred, in the eye's own frame.
-    fn drawn_gaze(&self, eye: &SweepEye, mode: GazeMode) -> GazeDirection {
+    /// Where the sharpest part is, in the eye's own frame.
+    fn drawn_gaze(&self, eye: &SweepEye, aim: Aim, mode: GazeMode) -> GazeDirection {
         match mode {
-            GazeMode::Tracked => self.true_gaze(eye),
+            GazeMode::Tracked => aim.gaze(self.true_gaze(eye), eye.ahead()),
             GazeMode::Fixed => eye.ahead(),
         }
     }
@@ -203,11 +254,15 @@ impl Situation<'_> {
     }
 }
 
-/// Leaves the hidden area out of the display and of the layer that fills it, the outermost.
+/// Leaves the hidden area out of the display and of the pass that draws it: the coarsest, which fills
+/// the image or at least its corners.
 fn without_hidden_area(mut estimate: Estimate, fraction: f64) -> Estimate {
-    estimate.display_pixels *= 1.0 - fraction;
-    if let Some(outermost) = estimate.passes.last_mut() {
-        outermost.samples *= 1.0 - fraction;
+    let hidden = estimate.display_pixels * fraction;
+    estimate.display_pixels -= hidden;
+    if let Some(coarsest) = estimate.passes.last_mut() {
+        let samples = (hidden / coarsest.scale.element_product()).min(coarsest.samples);
+        coarsest.samples -= samples;
+        coarsest.shadings -= (samples / coarsest.block).min(coarsest.shadings);
     }
     estimate
 }
@@ -239,11 +294,11 @@ mod tests {
         let lg = SweepDisplay::from(&presets::display("lg-w2363d").unwrap());
         let rows = sweep(vec![lg], "full,layers:3").run(|_| ()).unwrap();
         assert_eq!(rows[0].sample_ratio(), 1.0);
-        assert_eq!(rows[0].plan_samples, Some(1920 * 1080));
+        assert_eq!(rows[0].drawn.unwrap().samples, 1920 * 1080);
         // oracle s1 mA_0.0275_n3
         assert!((rows[1].sample_ratio() - 8.497_841_827).abs() < 1e-6);
         assert!((rows[1].sample_ratio_staggered() - 13.292_452).abs() < 1e-4);
-        let plan = rows[1].plan_samples.unwrap() as f64;
+        let plan = rows[1].drawn.unwrap().samples as f64;
         assert!(plan > rows[1].method_samples && plan < 1.01 * rows[1].method_samples);
         assert!(rows[1].over_ideal() > 1.0 && !rows[1].extrapolated);
     }
@@ -279,7 +334,7 @@ mod tests {
             .unwrap();
         assert_eq!(rows[0].method_samples.round(), quest.render_pixels() as f64);
         assert!(rows[1].sample_ratio() > 2.0 && rows[1].over_ideal() > 1.0 && rows[1].extrapolated);
-        let plan = rows[1].plan_samples.unwrap() as f64;
+        let plan = rows[1].drawn.unwrap().samples as f64;
         assert!((plan / rows[1].method_samples - 1.0).abs() < 0.03);
         // Mirrored images need the same samples.
         let one = &rows[1].layers;
@@ -335,6 +390,74 @@ mod tests {
         assert!((fixed.sample_ratio() - 8.497_841).abs() < 1e-5);
         // From its edge the study display reaches twice as far as from its centre.
         assert!(tracked.extrapolated && !fixed.extrapolated);
+    }
+
+    #[test]
+    fn a_fixed_method_stays_ahead_and_covers_its_reach() {
+        let lg = SweepDisplay::from(&presets::display("lg-w2363d").unwrap());
+        let mut aside = sweep(
+            vec![lg],
+            "layers:3,layers:3:fixed,layers:3:fixed=3,full,vrs:fixed",
+        );
+        aside.gazes = vec![GazeAt::Pixel([1300.0, 540.0])];
+        let rows = aside.run(|_| ()).unwrap();
+        let cell = |row: &SweepRow, name: &str| {
+            let table = SweepRow::table(std::slice::from_ref(row));
+            let place = table.columns().iter().position(|c| c == name).unwrap();
+            table.rows()[0][place].clone()
+        };
+        // The gaze is 8.7° aside: within 15°, not within 3°.
+        let within = rows.iter().map(|r| cell(r, "gaze_within_margin"));
+        let within: Vec<Cell> = within.collect();
+        assert_eq!(
+            within,
+            ["yes", "yes", "no", "yes", "yes"].map(|t| Cell::Text(t.into()))
+        );
+        assert_eq!(cell(&rows[0], "gaze_mode"), Cell::Text("tracked".into()));
+        assert_eq!(cell(&rows[1], "gaze_mode"), Cell::Text("fixed".into()));
+        assert!(
+            (rows[1].gaze_error_deg - 8.702_829).abs() < 1e-6,
+            "{}",
+            rows[1].gaze_error_deg
+        );
+        // The same pair of samples from either side, and a floor that allows for the reach as well.
+        assert_eq!(rows[0].tracked_over_fixed, rows[1].tracked_over_fixed);
+        let measured = rows[1].method_samples / rows[0].method_samples;
+        assert!((rows[0].tracked_over_fixed / measured - 1.0).abs() < 1e-12);
+        assert!(rows[0].tracked_over_fixed > rows[2].tracked_over_fixed);
+        assert!(rows[1].over_ideal() >= 1.0 && rows[1].ideal_ratio() < rows[0].ideal_ratio());
+        assert_eq!(rows[3].tracked_over_fixed, 1.0);
+        // oracle s1: a margin of 3° about the centre.
+        assert!((rows[2].sample_ratio() - 4.218).abs() < 1e-3);
+        // Variable-rate shading saves shading, not samples.
+        assert_eq!(rows[4].sample_ratio(), 1.0);
+        assert!(rows[4].shading_ratio() > 1.0 && rows[0].shading_ratio() == rows[0].sample_ratio());
+    }
+
+    #[test]
+    fn every_method_leaves_the_hidden_area_out_once() {
+        let mut spec = presets::display_spec("quest-pro").unwrap();
+        let methods = "full,layers:3,vrs,fdm,rates,quad,quad:auto";
+        let rows = |spec: &foveasim_models::DisplaySpec| {
+            let display = foveasim_models::Display::try_from(spec.clone()).unwrap();
+            sweep(vec![SweepDisplay::from(&display)], methods)
+                .run(|_| ())
+                .unwrap()
+        };
+        let whole = rows(&spec);
+        spec.hmd.as_mut().unwrap().hidden_area_fraction = 0.01;
+        for (masked, whole) in rows(&spec).iter().zip(&whole) {
+            let hidden = whole.display_samples - masked.display_samples;
+            let coarsest = whole.layers.passes.last().unwrap();
+            let [samples, shadings] = [
+                whole.method_samples - masked.method_samples,
+                whole.method_shadings - masked.method_shadings,
+            ];
+            let expected = hidden / coarsest.scale.element_product();
+            assert!((samples / expected - 1.0).abs() < 1e-6, "{}", whole.method);
+            let expected = expected / coarsest.block;
+            assert!((shadings / expected - 1.0).abs() < 1e-6, "{}", whole.method);
+        }
     }
 
     #[test]

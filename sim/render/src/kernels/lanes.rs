@@ -15,6 +15,19 @@ pub(crate) struct V3<S: Simd> {
     pub(crate) z: F<S>,
 }
 
+/// `[f(0), f(1)]`. Unlike `array::map`, it is always inlined: what is not runs without the instructions of
+/// the kernel that calls it.
+#[inline(always)]
+pub(crate) fn two<T>(f: impl Fn(usize) -> T) -> [T; 2] {
+    [f(0), f(1)]
+}
+
+/// `[f(0), f(1), f(2)]`; see [`two`].
+#[inline(always)]
+pub(crate) fn three<T>(f: impl Fn(usize) -> T) -> [T; 3] {
+    [f(0), f(1), f(2)]
+}
+
 #[inline(always)]
 pub(crate) fn splat<S: Simd>(simd: S, v: f32) -> F<S> {
     f32x8::splat(simd, v)

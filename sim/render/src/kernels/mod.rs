@@ -1,16 +1,22 @@
 //! Hot loops, one source for every vector width.
 
 mod dispatch;
+mod environment;
 pub(crate) mod lanes;
 mod noise;
+mod phong;
 mod shade;
 mod sky;
 mod surface;
 mod terrain;
+mod texture;
+mod textured;
+mod triangles;
 mod vertices;
 mod visible;
 
 pub(crate) use dispatch::{Kernel, dispatch};
 pub(crate) use shade::{Attributes, ShadeContext, ShadeTile};
-pub(crate) use vertices::{CODE_GUARD, CODE_NEAR, TransformVertices, VertexTransform};
+pub(crate) use triangles::SetUpEight;
+pub(crate) use vertices::{TransformVertices, VertexTransform};
 pub(crate) use visible::RasterizeTile;

@@ -1,15 +1,19 @@
 use fearless_simd::prelude::*;
-use foveasim_assets::{Material, Scene, Sky};
-use foveasim_models::Pose;
+use foveasim_assets::{Material, Scene};
+use foveasim_models::{Msaa, Pose};
 use glam::{DMat3, DVec3};
 
 use super::Kernel;
-use super::lanes::{F, Simd, V3, max, min, saturate, splat};
+use super::lanes::{F, Simd, V3, mask32x8, max, min, saturate, splat, u32x8};
+use super::phong::phong;
 use super::sky::{aerial, sky};
 use super::surface::surface;
 use super::terrain::terrain;
+use super::textured::textured;
+use crate::fragments::{Fragment, Fragments, SKY};
 use crate::project::Projection;
-use crate::tile::{SampleTile, position_of};
+use crate::raster::Needs;
+use crate::tile::{SampleTile, TileBuffers, position_of};
 
 /// What shading needs of one triangle: each attribute as a start and its change towards the second
 /// and the third corner, and the functions that give a sample's place in the triangle.
@@ -29,7 +33,9 @@ impl Attributes {
     pub(crate) const UV: usize = 26;
     /// Object units per metre; texture units per metre.
     pub(crate) const PER_METRE: usize = 32;
-    pub(crate) const COUNT: usize = 34;
+    /// 1/w at CORNER, its change along x, along y, its least and greatest value.
+    pub(crate) const DEPTH: usize = 34;
+    pub(crate) const COUNT: usize = 39;
 }
 
 /// Light that reaches every surface alike.
@@ -48,21 +54,14 @@ impl Light {
     fn new(scene: &Scene) -> Self {
         let sun = scene.sun();
         let d = sun.direction.normalize();
-        let (ambient_up, ambient_down, fog, per_visibility_m) = match scene.sky() {
-            Sky::Analytic(a) => {
-                let up = std::array::from_fn(|i| 0.55 * a.zenith[i] + 0.30 * a.horizon[i]);
-                (up, [0.075, 0.085, 0.045], a.horizon, 1.0 / 420.0)
-            }
-            Sky::Uniform(c) => (*c, *c, *c, 0.0),
-            _ => ([0.0; 3], [0.0; 3], [0.0; 3], 0.0),
-        };
+        let sky = scene.sky().light();
         Self {
             sun_direction: [d.x as f32, d.y as f32, d.z as f32],
             sun_radiance: sun.radiance,
-            ambient_up,
-            ambient_down,
-            fog,
-            per_visibility_m,
+            ambient_up: sky.ambient_up,
+            ambient_down: sky.ambient_down,
+            fog: sky.haze,
+            per_visibility_m: sky.per_visibility_m,
         }
     }
 
@@ -126,22 +125,22 @@ pub(super) struct Hit<S: Simd> {
     pub(super) angle: F<S>,
 }
 
-/// Shades samples of one tile that see the same material, or the sky.
+/// Shades what one tile shows of one material, or of the sky.
 pub(crate) struct ShadeTile<'a, 'b> {
     pub(crate) context: &'a ShadeContext<'a>,
     pub(crate) tile: &'a SampleTile,
-    /// Index of the material; `None` for the sky.
-    pub(crate) material: Option<u32>,
-    /// Places of the samples in the tile's buffers.
-    pub(crate) samples: &'a [u16],
+    /// Which of the fragments' buckets: 0 is the sky, then each material of the scene.
+    pub(crate) bucket: usize,
+    pub(crate) needs: Needs,
+    pub(crate) fragments: &'a Fragments,
     /// The triangles that are visible in the tile.
     pub(crate) triangles: &'a [Attributes],
-    /// Which of `triangles` each slot of the tile's buffers is.
-    pub(crate) triangle_of_slot: &'a [u32],
-    pub(crate) slot: &'a [u32],
-    pub(crate) depth: &'a [f32],
+    pub(crate) buffers: &'a TileBuffers,
+    pub(crate) msaa: Msaa,
     /// Rows of the tile in the pass's image.
     pub(crate) out: &'a mut [&'b mut [[f32; 3]]],
+    /// Colours at the positions of visibility of samples that an edge crosses.
+    pub(crate) edges: &'a mut [[[f32; 3]; 4]],
 }
 
 impl Kernel for ShadeTile<'_, '_> {
@@ -150,44 +149,55 @@ impl Kernel for ShadeTile<'_, '_> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) {
         let context = self.context;
-        match self
-            .material
-            .map(|m| &context.scene.materials()[m as usize])
-        {
-            None => self.each_block(
+        let needs = self.needs;
+        let scene = context.scene;
+        match self.bucket.checked_sub(1).map(|m| &scene.materials()[m]) {
+            None => self.each_eight(
                 simd,
                 #[inline(always)]
-                |block| {
-                    let (direction, angle) = block.ray(context, simd);
-                    sky(
-                        simd,
-                        context.scene.sky(),
-                        &context.light,
-                        direction.normalize(),
-                        angle,
-                    )
+                |eight| {
+                    let (direction, angle) = eight.ray(context);
+                    let direction = direction.normalize();
+                    sky(simd, scene.sky(), &context.light, direction, angle)
                 },
             ),
-            Some(Material::Terrain(t)) => self.each_block(
+            Some(Material::Terrain(t)) => self.each_eight(
                 simd,
                 #[inline(always)]
-                |block| {
-                    let hit = block.hit(context, simd);
+                |eight| {
+                    let hit = eight.hit(context, simd, needs);
                     let colour = terrain(simd, t, &context.light, &hit);
-                    aerial(simd, &context.light, colour, block.distance(context, &hit))
+                    aerial(simd, &context.light, colour, eight.distance(context, &hit))
                 },
             ),
-            Some(Material::Surface(s)) => self.each_block(
+            Some(Material::Surface(s)) => self.each_eight(
                 simd,
                 #[inline(always)]
-                |block| {
-                    let hit = block.hit(context, simd);
-                    let colour = surface(simd, s, context.scene.sky(), &context.light, &hit);
-                    aerial(simd, &context.light, colour, block.distance(context, &hit))
+                |eight| {
+                    let hit = eight.hit(context, simd, needs);
+                    let colour = surface(simd, s, scene.sky(), &context.light, &hit);
+                    aerial(simd, &context.light, colour, eight.distance(context, &hit))
+                },
+            ),
+            Some(Material::Phong(p)) => self.each_eight(
+                simd,
+                #[inline(always)]
+                |eight| {
+                    let hit = eight.hit(context, simd, needs);
+                    phong(simd, p, &context.light, &hit)
+                },
+            ),
+            Some(Material::Textured(t)) => self.each_eight(
+                simd,
+                #[inline(always)]
+                |eight| {
+                    let hit = eight.hit(context, simd, needs);
+                    let colour = textured(simd, t, scene, &context.light, &hit);
+                    aerial(simd, &context.light, colour, eight.distance(context, &hit))
                 },
             ),
             Some(Material::Unlit(colour)) => {
-                self.each_block(
+                self.each_eight(
                     simd,
                     #[inline(always)]
                     |_| V3::splat(simd, *colour),
@@ -200,63 +210,164 @@ impl Kernel for ShadeTile<'_, '_> {
 
 impl ShadeTile<'_, '_> {
     #[inline(always)]
-    fn each_block<S: Simd>(self, simd: S, shade: impl Fn(&Block<'_, S>) -> V3<S>) {
+    fn each_eight<S: Simd>(mut self, simd: S, shade: impl Fn(&Eight<'_, S>) -> V3<S>) {
         let map = self.tile.affine();
         let display = [0, 1].map(|k| [map.scale[k] as f32, map.origin[k] as f32]);
-        for samples in self.samples.chunks(8) {
-            // A block that is not full repeats its last sample.
-            let mut places = [samples[samples.len() - 1] as usize; 8];
-            let (mut x, mut y, mut inverse_w) = ([0.0; 8], [0.0; 8], [0.0; 8]);
-            for i in 0..8 {
-                if let Some(&sample) = samples.get(i) {
-                    places[i] = sample as usize;
+        // Blocks first, then single fragments, in one loop: shading is compiled once.
+        let bucket = &self.fragments.buckets[self.bucket];
+        let steps = bucket.blocks.len() + bucket.fragments.len().div_ceil(8);
+        for step in 0..steps {
+            let block = bucket.blocks.get(step).copied();
+            let fragments = match block {
+                Some(_) => &[][..],
+                None => {
+                    let first = (step - bucket.blocks.len()) * 8;
+                    &bucket.fragments[first..bucket.fragments.len().min(first + 8)]
                 }
-                let [px, py] = position_of(places[i]);
-                x[i] = (self.tile.origin.x + px) as f32 + 0.5;
-                y[i] = (self.tile.origin.y + py) as f32 + 0.5;
-                inverse_w[i] = self.depth[places[i]];
-            }
-            let lattice = [F::from_slice(simd, &x), F::from_slice(simd, &y)];
-            let inverse_w = F::from_slice(simd, &inverse_w);
-            let none = Attributes([0.0; Attributes::COUNT]);
-            let mut triangles = [&none; 8];
-            if self.material.is_some() {
-                for (triangle, place) in triangles.iter_mut().zip(places) {
-                    let slot = self.slot[place] as usize;
-                    *triangle = &self.triangles[self.triangle_of_slot[slot] as usize];
-                }
-            }
-            let colour = shade(&Block {
-                lattice,
-                display: &display,
-                inverse_w,
-                triangles,
-            });
+            };
+            let eight = match block {
+                Some(block) => self.block(simd, block, &display),
+                None => self.fragments(simd, fragments, &display),
+            };
+            let colour = shade(&eight);
             let zero = splat(simd, 0.0);
             let r = max(colour.x, zero).to_array();
             let g = max(colour.y, zero).to_array();
             let b = max(colour.z, zero).to_array();
-            for (i, &sample) in samples.iter().enumerate() {
-                let [x, y] = position_of(sample as usize);
-                self.out[y as usize][x as usize] = [r[i], g[i], b[i]];
+            match block {
+                Some(block) => {
+                    let [x, y] = position_of(block as usize * 8);
+                    let (x, y) = (x as usize, y as usize);
+                    for i in 0..4 {
+                        self.out[y][x + i] = [r[i], g[i], b[i]];
+                        self.out[y + 1][x + i] = [r[i + 4], g[i + 4], b[i + 4]];
+                    }
+                }
+                None => {
+                    for (i, fragment) in fragments.iter().enumerate() {
+                        self.write(fragment, [r[i], g[i], b[i]]);
+                    }
+                }
+            }
+        }
+    }
+
+    /// Eight samples side by side.
+    #[inline(always)]
+    fn block<'e, S: Simd>(
+        &'e self,
+        simd: S,
+        block: u16,
+        display: &'e [[f32; 2]; 2],
+    ) -> Eight<'e, S> {
+        let [px, py] = position_of(block as usize * 8);
+        let x = (self.tile.origin.x + px) as f32;
+        let y = (self.tile.origin.y + py) as f32;
+        let lanes_x = [0.5, 1.5, 2.5, 3.5, 0.5, 1.5, 2.5, 3.5];
+        let lanes_y = [0.5, 0.5, 0.5, 0.5, 1.5, 1.5, 1.5, 1.5];
+        let lattice = [
+            F::from_slice(simd, &lanes_x) + x,
+            F::from_slice(simd, &lanes_y) + y,
+        ];
+        let first = block as usize * 8 * self.msaa.positions() as usize;
+        let mut names = [0; 8];
+        if self.bucket != 0 {
+            let slots = &self.buffers.slot[first..first + 8];
+            for (name, &slot) in names.iter_mut().zip(slots) {
+                *name = self.fragments.of_slot[slot as usize];
+            }
+        }
+        let known = self.msaa == Msaa::One;
+        let depths = &self.buffers.depth[first..first + 8];
+        Eight {
+            lattice,
+            display,
+            inverse_w: known.then(|| F::from_slice(simd, depths)),
+            triangles: self.triangles,
+            names,
+            coarseness: splat(simd, 1.0),
+        }
+    }
+
+    /// Up to eight fragments from anywhere in the tile.
+    #[inline(always)]
+    fn fragments<'e, S: Simd>(
+        &'e self,
+        simd: S,
+        fragments: &[Fragment],
+        display: &'e [[f32; 2]; 2],
+    ) -> Eight<'e, S> {
+        let (mut x, mut y, mut coarseness) = ([0.0; 8], [0.0; 8], [1.0; 8]);
+        let mut names = [0; 8];
+        for i in 0..8 {
+            // Eight that are not full repeat their last.
+            let fragment = &fragments[i.min(fragments.len() - 1)];
+            let [width, height] = fragment.size.map(f32::from);
+            let [px, py] = fragment.first.map(u32::from);
+            x[i] = (self.tile.origin.x + px) as f32 + 0.5 * width;
+            y[i] = (self.tile.origin.y + py) as f32 + 0.5 * height;
+            coarseness[i] = if width > height { width } else { height };
+            if fragment.triangle != SKY {
+                names[i] = fragment.triangle;
+            }
+        }
+        Eight {
+            lattice: [F::from_slice(simd, &x), F::from_slice(simd, &y)],
+            display,
+            inverse_w: None,
+            triangles: self.triangles,
+            names,
+            coarseness: F::from_slice(simd, &coarseness),
+        }
+    }
+
+    /// Puts a colour wherever its fragment is seen.
+    #[inline(always)]
+    fn write(&mut self, fragment: &Fragment, colour: [f32; 3]) {
+        let positions = self.msaa.positions();
+        let every = (1u64 << positions) - 1;
+        let [width, height] = fragment.size;
+        for dy in 0..height {
+            for dx in 0..width {
+                let sample = u32::from(dy) * u32::from(width) + u32::from(dx);
+                let seen = fragment.seen >> (sample * positions) & every;
+                if seen == 0 {
+                    continue;
+                }
+                let (x, y) = (fragment.first[0] + dx, fragment.first[1] + dy);
+                if seen == every {
+                    self.out[y as usize][x as usize] = colour;
+                    continue;
+                }
+                let edge = &mut self.edges[self.fragments.edge(x.into(), y.into())];
+                for (p, out) in edge.iter_mut().enumerate() {
+                    if seen >> p & 1 != 0 {
+                        *out = colour;
+                    }
+                }
             }
         }
     }
 }
 
-/// Eight samples.
-struct Block<'a, S: Simd> {
+/// Eight places to be shaded.
+struct Eight<'a, S: Simd> {
     lattice: [F<S>; 2],
     /// Scale and shift from lattice to display pixels, for x and y.
     display: &'a [[f32; 2]; 2],
-    inverse_w: F<S>,
-    triangles: [&'a Attributes; 8],
+    /// 1/w where the depth test left it; else that of the triangle's plane.
+    inverse_w: Option<F<S>>,
+    triangles: &'a [Attributes],
+    /// Which triangle each lane sees.
+    names: [u32; 8],
+    /// Along the longer side, how many samples share the evaluation.
+    coarseness: F<S>,
 }
 
-impl<S: Simd> Block<'_, S> {
+impl<S: Simd> Eight<'_, S> {
     /// Direction (not unit length: w = 1) in the world, and the angle a sample spans.
     #[inline(always)]
-    fn ray(&self, c: &ShadeContext<'_>, simd: S) -> (V3<S>, F<S>) {
+    fn ray(&self, c: &ShadeContext<'_>) -> (V3<S>, F<S>) {
         // By way of display pixels, so that passes on the display's own grid agree to the bit.
         let [x, y] = self.display;
         let px = self.lattice[0] * x[0] + x[1];
@@ -271,84 +382,72 @@ impl<S: Simd> Block<'_, S> {
         };
         // dα ≤ d tan α; towards the edge of the image a sample spans less.
         let secant2 = tx * tx + ty * ty + 1.0;
-        (direction, splat(simd, c.sample_tan) / secant2)
-    }
-
-    /// Attribute `index` of each lane's triangle.
-    #[inline(always)]
-    fn at(&self, simd: S, index: usize) -> F<S> {
-        let t = &self.triangles;
-        let values = [
-            t[0].0[index],
-            t[1].0[index],
-            t[2].0[index],
-            t[3].0[index],
-            t[4].0[index],
-            t[5].0[index],
-            t[6].0[index],
-            t[7].0[index],
-        ];
-        F::from_slice(simd, &values)
-    }
-
-    /// A corner's share of the sample, over w.
-    #[inline(always)]
-    fn weight(&self, simd: S, first: usize, dx: F<S>, dy: F<S>) -> F<S> {
-        self.at(simd, first) + self.at(simd, first + 1) * dx + self.at(simd, first + 2) * dy
-    }
-
-    /// Attribute `first`, whose changes follow in steps of `stride`.
-    #[inline(always)]
-    fn blend(&self, simd: S, first: usize, stride: usize, second: F<S>, third: F<S>) -> F<S> {
-        self.at(simd, first)
-            + self.at(simd, first + stride) * second
-            + self.at(simd, first + 2 * stride) * third
-    }
-
-    #[inline(always)]
-    fn triple(&self, simd: S, first: usize, second: F<S>, third: F<S>) -> V3<S> {
-        V3 {
-            x: self.blend(simd, first, 3, second, third),
-            y: self.blend(simd, first + 1, 3, second, third),
-            z: self.blend(simd, first + 2, 3, second, third),
-        }
+        (direction, self.coarseness * c.sample_tan / secant2)
     }
 
     /// What the samples see; a function of its own, shared by all materials.
     #[inline(always)]
-    fn hit(&self, c: &ShadeContext<'_>, simd: S) -> Hit<S> {
+    fn hit(&self, c: &ShadeContext<'_>, simd: S, needs: Needs) -> Hit<S> {
         simd.vectorize(
             #[inline(always)]
-            || self.hit_inline(c, simd),
+            || self.hit_inline(c, simd, needs),
         )
     }
 
     #[inline(always)]
-    fn hit_inline(&self, c: &ShadeContext<'_>, simd: S) -> Hit<S> {
-        let one = splat(simd, 1.0);
-        let w = one / self.inverse_w;
-        let (direction, angle) = self.ray(c, simd);
+    fn hit_inline(&self, c: &ShadeContext<'_>, simd: S, needs: Needs) -> Hit<S> {
+        let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
+        let mut inverse_w = self.inverse_w.unwrap_or(one);
+        let (mut normal, mut object) = (V3::splat(simd, [0.0; 3]), V3::splat(simd, [0.0; 3]));
+        let (mut uv, mut per_metre) = ([zero; 2], [zero; 2]);
+        // Neighbours mostly see the same triangle: one round for each that the lanes see.
+        let names = u32x8::from_slice(simd, &self.names);
+        let mut rest = 0xffu32;
+        while rest != 0 {
+            let name = self.names[rest.trailing_zeros() as usize];
+            let here = names.simd_eq(name);
+            rest &= !(here.to_bitmask() as u32);
+            let a = &self.triangles[name as usize].0;
+            let dx = self.lattice[0] - a[Attributes::CORNER];
+            let dy = self.lattice[1] - a[Attributes::CORNER + 1];
+            if self.inverse_w.is_none() {
+                // As the depth test has it, to the bit.
+                let d = Attributes::DEPTH;
+                let depth = dx * a[d + 1] + a[d] + dy * a[d + 2];
+                let depth = max(min(depth, splat(simd, a[d + 4])), splat(simd, a[d + 3]));
+                inverse_w = here.select(depth, inverse_w);
+            }
+            let w = one / inverse_w;
+            let weight = Attributes::WEIGHTS;
+            let second = (dx * a[weight + 1] + a[weight] + dy * a[weight + 2]) * w;
+            let third = (dx * a[weight + 4] + a[weight + 3] + dy * a[weight + 5]) * w;
+            // Snapping may put a sample just outside its triangle: its attributes stay within.
+            let second = saturate(second);
+            let third = min(saturate(third), one - second);
+            let n = triple(a, Attributes::NORMAL, second, third);
+            normal = select(here, n, normal);
+            if needs.object {
+                object = select(here, triple(a, Attributes::OBJECT, second, third), object);
+                per_metre[0] = here.select(splat(simd, a[Attributes::PER_METRE]), per_metre[0]);
+            }
+            if needs.uv {
+                for k in 0..2 {
+                    let value = blend(a, Attributes::UV + k, 2, second, third);
+                    uv[k] = here.select(value, uv[k]);
+                }
+                let scale = splat(simd, a[Attributes::PER_METRE + 1]);
+                per_metre[1] = here.select(scale, per_metre[1]);
+            }
+        }
+        let w = one / inverse_w;
+        let (direction, angle) = self.ray(c);
         let world = V3::splat(simd, c.eye).add(direction.scale(w));
-
-        let dx = self.lattice[0] - self.at(simd, Attributes::CORNER);
-        let dy = self.lattice[1] - self.at(simd, Attributes::CORNER + 1);
-        // Snapping may put a sample just outside its triangle: its attributes stay within.
-        let second = saturate(self.weight(simd, Attributes::WEIGHTS, dx, dy) * w);
-        let third = saturate(self.weight(simd, Attributes::WEIGHTS + 3, dx, dy) * w);
-        let third = min(third, one - second);
-        let normal = self
-            .triple(simd, Attributes::NORMAL, second, third)
-            .normalize();
-        let object = self.triple(simd, Attributes::OBJECT, second, third);
-        let uv = [
-            self.blend(simd, Attributes::UV, 2, second, third),
-            self.blend(simd, Attributes::UV + 1, 2, second, third),
-        ];
+        let normal = normal.normalize();
         let view = direction.scale(-one).normalize();
         // A slanted surface shows more per sample. One number stands for the ellipse: between its
         // short and its long axis, lest grazing ground blur away altogether.
         let facing = max(normal.dot(view), splat(simd, 0.08));
-        let footprint = w * c.sample_tan / facing.sqrt();
+        let footprint = w * (self.coarseness * c.sample_tan) / facing.sqrt();
         Hit {
             world,
             object,
@@ -356,8 +455,8 @@ impl<S: Simd> Block<'_, S> {
             view,
             uv,
             footprint,
-            object_footprint: footprint * self.at(simd, Attributes::PER_METRE),
-            uv_footprint: footprint * self.at(simd, Attributes::PER_METRE + 1),
+            object_footprint: footprint * per_metre[0],
+            uv_footprint: footprint * per_metre[1],
             angle,
         }
     }
@@ -369,5 +468,36 @@ impl<S: Simd> Block<'_, S> {
             .world
             .add(V3::splat(hit.angle.simd, [-c.eye[0], -c.eye[1], -c.eye[2]]));
         to.dot(to).sqrt()
+    }
+}
+
+/// Attribute `first` of a triangle, whose changes follow in steps of `stride`.
+#[inline(always)]
+fn blend<S: Simd>(
+    a: &[f32; Attributes::COUNT],
+    first: usize,
+    stride: usize,
+    second: F<S>,
+    third: F<S>,
+) -> F<S> {
+    second * a[first + stride] + a[first] + third * a[first + 2 * stride]
+}
+
+#[inline(always)]
+fn triple<S: Simd>(a: &[f32; Attributes::COUNT], first: usize, second: F<S>, third: F<S>) -> V3<S> {
+    V3 {
+        x: blend(a, first, 3, second, third),
+        y: blend(a, first + 1, 3, second, third),
+        z: blend(a, first + 2, 3, second, third),
+    }
+}
+
+/// `a` where `here`, else `b`.
+#[inline(always)]
+fn select<S: Simd>(here: mask32x8<S>, a: V3<S>, b: V3<S>) -> V3<S> {
+    V3 {
+        x: here.select(a.x, b.x),
+        y: here.select(a.y, b.y),
+        z: here.select(a.z, b.z),
     }
 }

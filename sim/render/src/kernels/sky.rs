@@ -1,6 +1,7 @@
 use fearless_simd::prelude::*;
 use foveasim_assets::{AnalyticSky, Sky};
 
+use super::environment::environment;
 use super::lanes::{F, Simd, V3, max, mix, saturate, smoothstep, splat};
 use super::noise::{Fractal, fractal_2d};
 use super::shade::Light;
@@ -14,6 +15,10 @@ pub(super) fn sky<S: Simd>(simd: S, sky: &Sky, light: &Light, d: V3<S>, angle: F
         Sky::Analytic(a) => simd.vectorize(
             #[inline(always)]
             || analytic(simd, a, light, d, angle),
+        ),
+        Sky::Map(map) => simd.vectorize(
+            #[inline(always)]
+            || environment(simd, map, light, d, angle),
         ),
         _ => V3::splat(simd, light.ambient_up),
     }
@@ -83,7 +88,18 @@ fn analytic<S: Simd>(simd: S, a: &AnalyticSky, light: &Light, d: V3<S>, angle: F
     let haze = saturate(one - slope * 6.0) * 0.75;
     colour = face.mix(horizon, haze).mix(colour, behind);
 
-    // Below the horizon: what reflections see of the ground.
+    over_ground(simd, light, colour, d, angle)
+}
+
+/// What reflections see below the horizon.
+#[inline(always)]
+pub(super) fn over_ground<S: Simd>(
+    simd: S,
+    light: &Light,
+    colour: V3<S>,
+    d: V3<S>,
+    angle: F<S>,
+) -> V3<S> {
     let below = smoothstep(splat(simd, 0.0), splat(simd, 0.06) + angle, -d.y);
     colour.mix(V3::splat(simd, light.ambient_down), below)
 }

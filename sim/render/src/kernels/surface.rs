@@ -32,11 +32,7 @@ pub(super) fn surface<S: Simd>(
     let diffuse = albedo
         .mul(sun.add(light.ambient(simd, n)))
         .scale(splat(simd, 1.0 - m.f0));
-    // π·D·V·F with D = α²/(π((n·h)²(α²−1)+1)²) and V ≈ 1/(4·max((l·h)², 0.1)) (after Kelemen and
-    // Szirmay-Kalos 2001).
-    let a2 = m.roughness * m.roughness;
-    let k = n_h * n_h * (a2 - 1.0) + 1.0;
-    let lobe = splat(simd, a2) / (k * k) / (max(l_h * l_h, splat(simd, 0.1)) * 4.0);
+    let lobe = lobe(simd, splat(simd, m.roughness * m.roughness), n_h, l_h);
     let gloss = sun.scale(lobe * fresnel(simd, m.f0, l_h));
     let mut colour = diffuse.add(gloss);
     if m.environment > 0.0 {
@@ -51,12 +47,26 @@ pub(super) fn surface<S: Simd>(
 /// Mean share of marble's veins over all places (Monte Carlo over five octaves, 10⁵ points, ±0.001).
 const MARBLE_MEAN: f32 = 0.223;
 
-/// f0 + (1 − f0)(1 − c)⁵ (Schlick 1994).
+/// π·D·V with D = α²/(π((n·h)²(α²−1)+1)²) (GGX) and V ≈ 1/(4·max((l·h)², 0.1)) (after Kelemen and
+/// Szirmay-Kalos 2001); `a2` is α².
 #[inline(always)]
-fn fresnel<S: Simd>(simd: S, f0: f32, c: F<S>) -> F<S> {
+pub(super) fn lobe<S: Simd>(simd: S, a2: F<S>, n_h: F<S>, l_h: F<S>) -> F<S> {
+    let k = n_h * n_h * (a2 - 1.0) + 1.0;
+    a2 / (k * k) / (max(l_h * l_h, splat(simd, 0.1)) * 4.0)
+}
+
+/// (1 − c)⁵: how far reflectance has gone from f0 to 1 at an angle of cosine c (Schlick 1994).
+#[inline(always)]
+pub(super) fn schlick<S: Simd>(simd: S, c: F<S>) -> F<S> {
     let x = splat(simd, 1.0) - c;
     let x2 = x * x;
-    x2 * x2 * x * (1.0 - f0) + f0
+    x2 * x2 * x
+}
+
+/// f0 + (1 − f0)(1 − c)⁵.
+#[inline(always)]
+fn fresnel<S: Simd>(simd: S, f0: f32, c: F<S>) -> F<S> {
+    schlick(simd, c) * (1.0 - f0) + f0
 }
 
 /// Share of the second colour, averaged over the footprint.

@@ -1,24 +1,34 @@
-use foveasim_assets::Terrain;
+use foveasim_assets::{Terrain, TerrainDetail};
 
 use super::lanes::{F, Simd, V3, max, saturate, smoothstep, splat};
 use super::noise::{Fractal, fractal_2d};
 use super::shade::{Hit, Light};
 
-/// Grass, rock and snow by slope and height, each with its own grain, under sun and sky.
+/// Grass, rock and snow by slope and height, each with its own grain, under sun and sky; cheaply, in
+/// broad patches without grain and relief.
 #[inline(always)]
 pub(super) fn terrain<S: Simd>(simd: S, t: &Terrain, light: &Light, hit: &Hit<S>) -> V3<S> {
-    let one = splat(simd, 1.0);
+    let (one, zero) = (splat(simd, 1.0), splat(simd, 0.0));
     let broad = noise(simd, t, hit, 23.0, 0x1111);
-    let grain = noise(simd, t, hit, 3.1, 0x2222);
-    let bump_x = noise(simd, t, hit, 1.7, 0x3333);
-    let bump_z = noise(simd, t, hit, 1.7, 0x4444);
-
-    let bumps = V3 {
-        x: bump_x * 0.35,
-        y: splat(simd, 0.0),
-        z: bump_z * 0.35,
+    let [grain, bump_x, bump_z] = match t.detail {
+        TerrainDetail::Procedural => [
+            noise(simd, t, hit, 3.1, 0x2222),
+            noise(simd, t, hit, 1.7, 0x3333),
+            noise(simd, t, hit, 1.7, 0x4444),
+        ],
+        TerrainDetail::Cheap => [zero; 3],
     };
-    let normal = hit.normal.add(bumps).normalize();
+    let normal = match t.detail {
+        TerrainDetail::Procedural => {
+            let bumps = V3 {
+                x: bump_x * 0.35,
+                y: zero,
+                z: bump_z * 0.35,
+            };
+            hit.normal.add(bumps).normalize()
+        }
+        TerrainDetail::Cheap => hit.normal,
+    };
     let steep = one - hit.normal.y;
     let rockiness = smoothstep(splat(simd, 0.06), splat(simd, 0.20), steep + grain * 0.06);
     let height = hit.world.y + broad * 3.0 + grain * 1.5;
@@ -37,7 +47,7 @@ pub(super) fn terrain<S: Simd>(simd: S, t: &Terrain, light: &Light, hit: &Hit<S>
     let albedo = albedo.scale(saturate(bump_x * 0.35 + 0.85));
 
     let sun = V3::splat(simd, light.sun_direction).dot(normal);
-    let sun = V3::splat(simd, light.sun_radiance).scale(max(sun, splat(simd, 0.0)));
+    let sun = V3::splat(simd, light.sun_radiance).scale(max(sun, zero));
     albedo.mul(sun.add(light.ambient(simd, normal)))
 }
 
@@ -46,7 +56,10 @@ pub(super) fn terrain<S: Simd>(simd: S, t: &Terrain, light: &Light, hit: &Hit<S>
 fn noise<S: Simd>(simd: S, t: &Terrain, hit: &Hit<S>, period_m: f32, seed: u32) -> F<S> {
     let k = 1.0 / period_m;
     let fractal = Fractal {
-        octaves: t.octaves,
+        octaves: match t.detail {
+            TerrainDetail::Procedural => t.octaves,
+            TerrainDetail::Cheap => t.octaves.min(1),
+        },
         seed: t.seed ^ seed,
     };
     fractal_2d(

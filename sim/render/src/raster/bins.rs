@@ -3,72 +3,53 @@ use glam::UVec2;
 use super::SetUpTriangle;
 use crate::tile::TILE;
 
-/// Names a set-up triangle: its list and its place in it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(crate) struct TriangleRef(u32);
-
-/// A job of 512 triangles sets up at most 6 for each (a triangle cut by five planes has 8 corners).
-const PLACE_BITS: u32 = 12;
-
-impl TriangleRef {
-    pub(crate) fn get(self, lists: &[Vec<SetUpTriangle>]) -> &SetUpTriangle {
-        &lists[(self.0 >> PLACE_BITS) as usize][(self.0 & ((1 << PLACE_BITS) - 1)) as usize]
-    }
-}
-
-/// For each tile, the triangles whose bounds meet it, in the order of the scene.
+/// For each tile, the triangles of one list whose bounds meet it, in the list's order.
 #[derive(Debug)]
 pub(crate) struct Bins {
-    tiles: UVec2,
+    across: u32,
     first: Vec<u32>,
-    entries: Vec<TriangleRef>,
+    entries: Vec<u32>,
 }
 
 impl Bins {
     /// Sorts by tile (a stable counting sort).
-    pub(crate) fn new(lists: &[Vec<SetUpTriangle>], size: UVec2) -> Self {
+    pub(crate) fn new(triangles: &[SetUpTriangle], size: UVec2) -> Self {
         let tiles = UVec2::new(size.x.div_ceil(TILE), size.y.div_ceil(TILE));
         let count = (tiles.x * tiles.y) as usize;
         let mut first = vec![0u32; count + 1];
-        for triangle in lists.iter().flatten() {
+        for triangle in triangles {
             for_each_tile(triangle, tiles, |tile| first[tile + 1] += 1);
         }
         for i in 0..count {
             first[i + 1] += first[i];
         }
         let mut next = first.clone();
-        let mut entries = vec![TriangleRef(0); first[count] as usize];
-        for (list, triangles) in lists.iter().enumerate() {
-            for (place, triangle) in triangles.iter().enumerate() {
-                let name = TriangleRef((list as u32) << PLACE_BITS | place as u32);
-                for_each_tile(triangle, tiles, |tile| {
-                    entries[next[tile] as usize] = name;
-                    next[tile] += 1;
-                });
-            }
+        let mut entries = vec![0; first[count] as usize];
+        for (place, triangle) in triangles.iter().enumerate() {
+            for_each_tile(triangle, tiles, |tile| {
+                entries[next[tile] as usize] = place as u32;
+                next[tile] += 1;
+            });
         }
         Self {
-            tiles,
+            across: tiles.x,
             first,
             entries,
         }
     }
 
-    /// The triangles of tile (x, y).
-    pub(crate) fn tile(&self, x: u32, y: u32) -> &[TriangleRef] {
-        let tile = (y * self.tiles.x + x) as usize;
+    /// The places in the list of the triangles of tile (x, y).
+    pub(crate) fn tile(&self, x: u32, y: u32) -> &[u32] {
+        let tile = (y * self.across + x) as usize;
         &self.entries[self.first[tile] as usize..self.first[tile + 1] as usize]
     }
 }
 
+#[inline(always)]
 fn for_each_tile(triangle: &SetUpTriangle, tiles: UVec2, mut visit: impl FnMut(usize)) {
-    let tile = TILE as i32;
-    let [x, y] = triangle.sample_bounds();
-    let range = |[low, high]: [i32; 2], count: u32| {
-        (low.max(0) / tile) as u32..((high.max(0) / tile) as u32 + 1).min(count)
-    };
-    for ty in range(y, tiles.y) {
-        for tx in range(x, tiles.x) {
+    let [[x0, x1], [y0, y1]] = triangle.bounds.map(|b| b.map(|s| u32::from(s) / TILE));
+    for ty in y0..=y1 {
+        for tx in x0..=x1 {
             visit((ty * tiles.x + tx) as usize);
         }
     }

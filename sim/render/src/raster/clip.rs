@@ -1,7 +1,6 @@
 use glam::DVec3;
 
-use super::ScreenVertex;
-use crate::kernels::{CODE_GUARD, CODE_NEAR};
+use super::EyeVertex;
 use crate::project::{GUARD_SAMPLES, Projection};
 
 /// A corner of a clipped triangle.
@@ -22,13 +21,12 @@ pub(super) type SnappedCorner = ([i32; 2], f64);
 ///
 /// A new corner is computed from the kept end towards the cut-off end. Both triangles at a shared
 /// edge agree on which end that is, so they get the same corner and no gap can open.
-pub(super) fn clip(vertices: [&ScreenVertex; 3], projection: &Projection) -> Vec<SnappedCorner> {
-    let usable = |v: &ScreenVertex| v.code & (CODE_NEAR | CODE_GUARD) == 0;
+pub(super) fn clip(vertices: [&EyeVertex; 3], projection: &Projection) -> Vec<SnappedCorner> {
     let mut polygon: Vec<Corner> = vertices
         .iter()
         .map(|v| Corner {
             eye: DVec3::from_array(v.eye.map(f64::from)),
-            snapped: usable(v).then_some(v.snapped),
+            snapped: projection.snap_vertex(v),
         })
         .collect();
     let near = projection.near;

@@ -5,112 +5,151 @@ use rayon::prelude::*;
 
 use crate::Simd;
 use crate::kernels::{TransformVertices, VertexTransform, dispatch};
-use crate::project::Projection;
+use crate::project::Optics;
 
-/// A vertex in eye space and on the lattice.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct ScreenVertex {
+/// A vertex in eye space and on the display.
+#[derive(Debug, Clone, Copy, Default)]
+pub(crate) struct EyeVertex {
     /// x, y and w = −z \[m\].
     pub(crate) eye: [f32; 3],
-    /// Lattice position in sub-samples; meaningless where `code` says near or guard.
-    pub(crate) snapped: [i32; 2],
-    /// Which limits it lies beyond.
-    pub(crate) code: i32,
+    /// Display position \[px\]; meaningless where w is not ahead of the near plane.
+    pub(crate) px: [f32; 2],
+    /// Normal in the world.
+    pub(crate) normal: [f32; 3],
 }
 
-/// An instance that may be visible in a pass.
-#[derive(Debug)]
-pub(crate) struct DrawnInstance {
-    /// Index in the scene.
+/// A mesh of the scene somewhere in front of the eye.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Object {
+    /// Index of the instance in the scene.
     pub(crate) instance: u32,
-    /// Its first block of vertices.
-    first_block: usize,
+    /// Index of the mesh drawn for it.
+    pub(crate) mesh: u32,
+    /// Its first vertex in the view's list.
+    pub(crate) first_vertex: u32,
 }
 
-/// The transformed vertices of one pass.
+/// The bounds of an instance as the eye sees it.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Bounds {
+    /// x, y and w of the centre \[m\].
+    pub(crate) centre: DVec3,
+    /// \[m\]
+    pub(crate) radius: f64,
+}
+
+/// All vertices that the passes of a view need, each transformed once.
 #[derive(Debug)]
-pub(crate) struct Geometry {
-    pub(crate) drawn: Vec<DrawnInstance>,
-    blocks: Vec<Vec<ScreenVertex>>,
-    /// Vertices and triangles counted while transforming.
+pub(crate) struct ViewGeometry {
+    pub(crate) objects: Vec<Object>,
+    pub(crate) vertices: Vec<EyeVertex>,
+    /// Vertices counted while transforming.
     pub(crate) work: Work,
 }
 
-/// Vertices per block: the unit of parallel work. A power of two.
-const BLOCK: usize = 2048;
+/// Vertices per parallel job.
+const JOB: usize = 4096;
 
-/// Transforms the vertices of all instances whose bounds meet the view of the pass.
-pub(crate) fn transform(
-    scene: &Scene,
-    world_from_eye: Pose,
-    projection: &Projection,
-    simd: Simd,
-) -> Geometry {
-    let eye_from_world = world_from_eye.inverse();
-    let mut drawn = Vec::new();
-    let mut jobs = Vec::new();
-    let mut work = Work::default();
-    for (index, instance) in scene.instances().iter().enumerate() {
-        let mesh = &scene.meshes()[instance.mesh];
-        let triangles = mesh.triangles().len() as u64;
-        work.triangles += triangles;
-        let placed = instance.world_from_object;
-        let (centre, radius) = mesh.bounds();
-        let centre = eye_from_world.point(placed.point(centre));
-        let centre = DVec3::new(centre.x, centre.y, -centre.z);
-        if projection.misses_sphere(centre, radius * placed.scale) {
-            work.triangles_outside += triangles;
-            continue;
-        }
-        work.vertices += mesh.vertex_count() as u64;
-        drawn.push(DrawnInstance {
-            instance: index as u32,
-            first_block: jobs.len(),
-        });
-        let eye_from_object = eye_from_world.then(placed.pose);
-        let linear = DMat3::from_quat(eye_from_object.orientation) * placed.scale;
-        let row = |r: DVec3, t: f64| [r.x as f32, r.y as f32, r.z as f32, t as f32];
-        let shift = eye_from_object.position;
-        let transform = VertexTransform {
-            eye_from_object: [
-                row(linear.row(0), shift.x),
-                row(linear.row(1), shift.y),
-                row(-linear.row(2), -shift.z),
-            ],
-            projection: *projection,
-        };
-        let count = mesh.vertex_count();
-        jobs.extend(
-            (0..count)
-                .step_by(BLOCK)
-                .map(|start| (transform, instance.mesh, start..(start + BLOCK).min(count))),
-        );
-    }
-    let blocks = jobs
-        .into_par_iter()
-        .map(|(transform, mesh, range)| {
-            let [x, y, z] = scene.meshes()[mesh].positions();
-            let positions = [&x[range.clone()], &y[range.clone()], &z[range]];
-            dispatch(
-                simd,
-                TransformVertices {
-                    transform: &transform,
-                    positions,
-                },
-            )
-        })
-        .collect();
-    Geometry {
-        drawn,
-        blocks,
-        work,
+/// Where mesh `mesh` of instance `instance` is, as the eye sees it.
+pub(crate) fn bounds(scene: &Scene, instance: usize, mesh: usize, eye_from_world: Pose) -> Bounds {
+    let placed = scene.instances()[instance].world_from_object;
+    let (centre, radius) = scene.meshes()[mesh].bounds();
+    let centre = eye_from_world.point(placed.point(centre));
+    Bounds {
+        centre: DVec3::new(centre.x, centre.y, -centre.z),
+        radius: radius * placed.scale,
     }
 }
 
-impl Geometry {
-    /// Vertex `index` of the mesh of drawn instance `drawn`.
-    pub(crate) fn vertex(&self, drawn: usize, index: u32) -> &ScreenVertex {
-        let index = index as usize;
-        &self.blocks[self.drawn[drawn].first_block + index / BLOCK][index % BLOCK]
+impl ViewGeometry {
+    /// Transforms the vertices of `named` (instance, mesh): each pair is given once.
+    pub(crate) fn new(
+        scene: &Scene,
+        world_from_eye: Pose,
+        optics: &Optics,
+        named: &[(u32, u32)],
+        simd: Simd,
+    ) -> Self {
+        let eye_from_world = world_from_eye.inverse();
+        let mut objects = Vec::with_capacity(named.len());
+        let mut total = 0;
+        for &(instance, mesh) in named {
+            objects.push(Object {
+                instance,
+                mesh,
+                first_vertex: total as u32,
+            });
+            total += scene.meshes()[mesh as usize].vertex_count();
+        }
+        let mut vertices = vec![EyeVertex::default(); total];
+        let mut rest = vertices.as_mut_slice();
+        let mut jobs = Vec::new();
+        for &(instance, mesh) in named {
+            let transform = transform(scene, instance as usize, eye_from_world, optics);
+            let count = scene.meshes()[mesh as usize].vertex_count();
+            for start in (0..count).step_by(JOB) {
+                let length = JOB.min(count - start);
+                let (out, remaining) = std::mem::take(&mut rest).split_at_mut(length);
+                rest = remaining;
+                jobs.push((transform, mesh, start, out));
+            }
+        }
+        jobs.into_par_iter()
+            .for_each(|(transform, mesh, start, out)| {
+                let range = start..start + out.len();
+                let [x, y, z] = scene.meshes()[mesh as usize].positions();
+                let positions = [&x[range.clone()], &y[range.clone()], &z[range.clone()]];
+                let [x, y, z] = scene.meshes()[mesh as usize].normals();
+                let normals = [&x[range.clone()], &y[range.clone()], &z[range]];
+                let kernel = TransformVertices {
+                    transform: &transform,
+                    positions,
+                    normals,
+                    out,
+                };
+                dispatch(simd, kernel);
+            });
+        let work = Work {
+            vertices: total as u64,
+            ..Work::default()
+        };
+        Self {
+            objects,
+            vertices,
+            work,
+        }
+    }
+
+    /// The vertices of one object.
+    pub(crate) fn of(&self, object: &Object, scene: &Scene) -> &[EyeVertex] {
+        let first = object.first_vertex as usize;
+        let count = scene.meshes()[object.mesh as usize].vertex_count();
+        &self.vertices[first..first + count]
+    }
+}
+
+fn transform(
+    scene: &Scene,
+    instance: usize,
+    eye_from_world: Pose,
+    optics: &Optics,
+) -> VertexTransform {
+    let placed = scene.instances()[instance].world_from_object;
+    let eye_from_object = eye_from_world.then(placed.pose);
+    let linear = DMat3::from_quat(eye_from_object.orientation) * placed.scale;
+    let row = |r: DVec3, t: f64| [r.x as f32, r.y as f32, r.z as f32, t as f32];
+    let shift = eye_from_object.position;
+    VertexTransform {
+        eye_from_object: [
+            row(linear.row(0), shift.x),
+            row(linear.row(1), shift.y),
+            row(-linear.row(2), -shift.z),
+        ],
+        world_from_normal: {
+            let rotation = DMat3::from_quat(placed.pose.orientation);
+            let row = |i| rotation.row(i).to_array().map(|v| v as f32);
+            [row(0), row(1), row(2)]
+        },
+        optics: *optics,
     }
 }

@@ -1,12 +1,13 @@
-//! Geometry of one pass: transformed vertices, triangles set up for tiles, bins of tiles.
+//! Geometry: vertices transformed once for a view, triangles set up and binned for each pass.
 
 mod attributes;
 mod bins;
 mod clip;
 mod geometry;
+mod plane;
 mod setup;
 
-pub(crate) use attributes::attributes;
-pub(crate) use bins::{Bins, TriangleRef};
-pub(crate) use geometry::{Geometry, ScreenVertex, transform};
-pub(crate) use setup::{SetUpTriangle, set_up};
+pub(crate) use attributes::{Needs, attributes};
+pub(crate) use bins::Bins;
+pub(crate) use geometry::{EyeVertex, Object, ViewGeometry, bounds};
+pub(crate) use setup::{BEHIND, Emitter, PassTriangles, SetUp, SetUpTriangle, TriangleRef, set_up};

@@ -1,186 +1,310 @@
+use std::ops::Range;
+
 use foveasim_assets::Scene;
 use foveasim_models::Work;
-use glam::{DVec2, DVec3};
+use glam::UVec2;
 use rayon::prelude::*;
 
 use super::clip::{SnappedCorner, clip};
-use super::{Geometry, ScreenVertex};
-use crate::kernels::{CODE_GUARD, CODE_NEAR};
+use super::plane::Plane;
+use super::{Bins, EyeVertex, Object, ViewGeometry};
+use crate::RenderOptions;
+use crate::kernels::{SetUpEight, dispatch};
 use crate::project::{Projection, SUBSAMPLES};
 
 /// A triangle ready for rasterization.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct SetUpTriangle {
-    /// Corners in sub-samples, positive area with y down.
+    /// Corners in sub-samples, positive area with y down. The first is the mesh triangle's first; seen
+    /// from the front the other two have changed places.
     pub(crate) corners: [[i32; 2]; 3],
     /// 1/w at the first corner, and its change per sample along x and y [1/m].
     pub(crate) depth: [f32; 3],
     /// Least and greatest 1/w of the triangle [1/m].
     pub(crate) depth_range: [f32; 2],
-    /// Which drawn instance of the pass's geometry.
-    pub(crate) drawn: u32,
-    /// Which triangle of its mesh.
+    /// First and last sample that it may cover, along x and y: inside the lattice.
+    pub(crate) bounds: [[u16; 2]; 2],
+    /// Whether its edge functions fit 31 bits near it.
+    pub(crate) is_small: bool,
+    /// Which object of the view.
+    pub(crate) object: u32,
+    /// Which triangle of its mesh; the highest bit is set where it is seen from behind.
     pub(crate) triangle: u32,
-    /// Which material of the scene.
-    pub(crate) material: u32,
+}
+
+/// Marks a triangle that is seen from behind.
+pub(crate) const BEHIND: u32 = 1 << 31;
+
+/// All triangles of a pass that may be visible, in jobs.
+#[derive(Debug)]
+pub(crate) struct PassTriangles {
+    jobs: Vec<Job>,
+}
+
+/// Names a triangle of a pass.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct TriangleRef {
+    job: u32,
+    place: u32,
+}
+
+/// What one worker set up: triangles, and which of them meet which tile.
+#[derive(Debug)]
+struct Job {
+    triangles: Vec<SetUpTriangle>,
+    bins: Bins,
 }
 
 /// Triangles per parallel job.
-const JOB: usize = 512;
+const JOB: usize = 4096;
 
-/// Sets up all triangles of the pass that face the eye and may cover a sample: a list of lists, in
-/// the order of the scene.
-pub(crate) fn set_up(
-    scene: &Scene,
-    geometry: &Geometry,
-    projection: &Projection,
-) -> (Vec<Vec<SetUpTriangle>>, Work) {
-    let mut jobs = Vec::new();
-    for (drawn, d) in geometry.drawn.iter().enumerate() {
-        let mesh = scene.instances()[d.instance as usize].mesh;
-        let count = scene.meshes()[mesh].triangles().len();
-        jobs.extend(
-            (0..count)
-                .step_by(JOB)
-                .map(|s| (drawn, s..(s + JOB).min(count))),
-        );
-    }
-    let results: Vec<_> = jobs
+/// Part of an object's triangles.
+#[derive(Debug, Clone)]
+struct Segment {
+    object: u32,
+    range: Range<usize>,
+}
+
+/// What set-up needs to know of the pass.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct SetUp<'a> {
+    pub(crate) scene: &'a Scene,
+    pub(crate) geometry: &'a ViewGeometry,
+    pub(crate) projection: &'a Projection,
+    pub(crate) options: &'a RenderOptions,
+    /// How far from its middle a sample's visibility may be asked for [sub-samples].
+    pub(crate) reach: i32,
+}
+
+/// Sets up all triangles of `objects` (places in the view's list) that may cover a sample.
+pub(crate) fn set_up(pass: &SetUp<'_>, objects: &[u32]) -> (PassTriangles, Work) {
+    let size = pass.projection.size;
+    let results: Vec<_> = segments(pass, objects)
         .into_par_iter()
-        .map(|(drawn, range)| {
-            let instance = &scene.instances()[geometry.drawn[drawn].instance as usize];
-            let triangles = scene.meshes()[instance.mesh].triangles();
-            let mut job = Job {
-                projection,
-                out: Vec::new(),
-                work: Work::default(),
-                origin: (drawn as u32, 0, instance.material as u32),
-            };
-            for index in range {
-                job.origin.1 = index as u32;
-                job.triangle(triangles[index].map(|i| geometry.vertex(drawn, i)));
+        .map(|segments| {
+            let mut emitter = Emitter::new(pass);
+            for segment in segments {
+                emitter.segment(&segment);
             }
-            (job.out, job.work)
+            let bins = Bins::new(&emitter.out, size);
+            let job = Job {
+                triangles: emitter.out,
+                bins,
+            };
+            (job, emitter.work)
         })
         .collect();
     let mut total = Work::default();
-    let lists = results
-        .into_iter()
-        .map(|(list, work)| {
-            total += work;
-            list
-        })
-        .collect();
-    (lists, total)
+    let mut jobs = Vec::with_capacity(results.len());
+    for (job, work) in results {
+        total += work;
+        jobs.push(job);
+    }
+    (PassTriangles { jobs }, total)
 }
 
-struct Job<'a> {
-    projection: &'a Projection,
-    out: Vec<SetUpTriangle>,
-    work: Work,
-    /// Drawn instance, triangle, material.
-    origin: (u32, u32, u32),
-}
-
-impl Job<'_> {
-    fn triangle(&mut self, v: [&ScreenVertex; 3]) {
-        let [a, b, c] = v.map(|v| v.code);
-        if a & b & c & !CODE_GUARD != 0 {
-            self.work.triangles_outside += 1;
-        } else if (a | b | c) & (CODE_NEAR | CODE_GUARD) == 0 {
-            let corners = v.map(|v| (v.snapped, 1.0 / f64::from(v.eye[2])));
-            match area_sign(corners.map(|c| c.0)) {
-                1.. => self.work.triangles_back_facing += 1,
-                0 => self.work.triangles_outside += 1,
-                _ => {
-                    if !self.emit(corners, Plane::new(v)) {
-                        self.work.triangles_outside += 1;
-                    }
-                }
+/// Cuts the triangles of all objects into jobs of about equal size.
+fn segments(pass: &SetUp<'_>, objects: &[u32]) -> Vec<Vec<Segment>> {
+    let mut jobs = vec![Vec::new()];
+    let mut room = JOB;
+    for &object in objects {
+        let mesh = pass.geometry.objects[object as usize].mesh;
+        let count = pass.scene.meshes()[mesh as usize].triangles().len();
+        let mut start = 0;
+        while start < count {
+            if room == 0 {
+                jobs.push(Vec::new());
+                room = JOB;
             }
-        } else {
-            self.clipped(v);
+            let end = count.min(start + room);
+            let segment = Segment {
+                object,
+                range: start..end,
+            };
+            if let Some(job) = jobs.last_mut() {
+                job.push(segment);
+            }
+            room -= end - start;
+            start = end;
+        }
+    }
+    jobs
+}
+
+impl PassTriangles {
+    /// Names the triangles that meet tile (x, y), in the order they were set up.
+    pub(crate) fn tile(&self, x: u32, y: u32, out: &mut Vec<TriangleRef>) {
+        out.clear();
+        for (job, k) in self.jobs.iter().zip(0..) {
+            let bin = job.bins.tile(x, y);
+            out.extend(bin.iter().map(|&place| TriangleRef { job: k, place }));
         }
     }
 
-    fn clipped(&mut self, v: [&ScreenVertex; 3]) {
+    #[inline(always)]
+    pub(crate) fn get(&self, name: TriangleRef) -> &SetUpTriangle {
+        &self.jobs[name.job as usize].triangles[name.place as usize]
+    }
+}
+
+/// Sets up triangles one by one: what comes of those that the kernel accepted, and of those that it
+/// leaves to exact arithmetic.
+pub(crate) struct Emitter<'a> {
+    pub(crate) pass: &'a SetUp<'a>,
+    pub(crate) out: Vec<SetUpTriangle>,
+    pub(crate) work: Work,
+}
+
+impl<'a> Emitter<'a> {
+    fn new(pass: &'a SetUp<'a>) -> Self {
+        Self {
+            pass,
+            out: Vec::new(),
+            work: Work::default(),
+        }
+    }
+
+    fn segment(&mut self, segment: &Segment) {
+        let SetUp {
+            scene, geometry, ..
+        } = *self.pass;
+        let object = geometry.objects[segment.object as usize];
+        let mesh = &scene.meshes()[object.mesh as usize];
+        self.work.triangles += segment.range.len() as u64;
+        let kernel = SetUpEight {
+            vertices: geometry.of(&object, scene),
+            triangles: &mesh.triangles()[segment.range.clone()],
+            first: segment.range.start as u32,
+            object: segment.object,
+            both_faces: self.shows_both_faces(&object),
+            emitter: self,
+        };
+        let simd = kernel.emitter.pass.options.simd;
+        dispatch(simd, kernel);
+    }
+
+    fn shows_both_faces(&self, object: &Object) -> bool {
+        !self.pass.options.skip.back_faces
+            || self.pass.scene.instances()[object.instance as usize].two_sided
+    }
+
+    /// Sets up a triangle that the kernel leaves over: too large for 32 bits, or reaching behind the
+    /// near plane or beyond the guard.
+    pub(crate) fn exact(&mut self, v: [&EyeVertex; 3], object: u32, triangle: u32, both: bool) {
+        let projection = self.pass.projection;
+        if projection.all_beyond_one_side(v) {
+            self.work.triangles_outside += 1;
+            return;
+        }
         let plane = Plane::new(v);
         if !plane.det.is_finite() {
             // A vertex that is nowhere.
             self.work.triangles_outside += 1;
             return;
         }
-        if plane.det <= 0.0 {
-            self.work.triangles_back_facing += 1;
-            return;
-        }
-        let polygon = clip(v, self.projection);
-        let mut any = false;
+        let snapped = v.map(|v| {
+            projection
+                .snap_vertex(v)
+                .map(|s| (s, 1.0 / f64::from(v.eye[2])))
+        });
+        let polygon = match snapped {
+            [Some(a), Some(b), Some(c)] => vec![a, b, c],
+            _ => clip(v, projection),
+        };
+        let (mut any, mut away) = (false, false);
         for i in 2..polygon.len() {
             let fan = [polygon[0], polygon[i - 1], polygon[i]];
-            if area_sign(fan.map(|c| c.0)) < 0 {
-                any |= self.emit(fan, plane);
+            match area_sign(fan.map(|c| c.0)) {
+                0 => {}
+                sign => {
+                    let behind = sign > 0;
+                    if behind && !both {
+                        away = true;
+                    } else {
+                        any |= self.emit(fan, plane, object, triangle, behind);
+                    }
+                }
             }
         }
-        if !any {
+        if away && !any {
+            self.work.triangles_back_facing += 1;
+        } else if !any {
             self.work.triangles_outside += 1;
         }
     }
 
-    /// Adds a triangle facing the eye, unless its bounds hold no sample.
-    fn emit(&mut self, corners: [SnappedCorner; 3], plane: Plane) -> bool {
-        let set_up = SetUpTriangle {
+    /// Adds a triangle, unless its bounds hold no sample.
+    fn emit(
+        &mut self,
+        corners: [SnappedCorner; 3],
+        plane: Plane,
+        object: u32,
+        triangle: u32,
+        behind: bool,
+    ) -> bool {
+        let projection = self.pass.projection;
+        let [a, b, c] = corners.map(|c| c.0);
+        let mut set_up = SetUpTriangle {
             // Seen from outside they run counter-clockwise with y up: turn them for y down.
-            corners: [corners[0].0, corners[2].0, corners[1].0],
+            corners: if behind { [a, b, c] } else { [a, c, b] },
             depth: [0.0; 3],
             depth_range: [0.0; 2],
-            drawn: self.origin.0,
-            triangle: self.origin.1,
-            material: self.origin.2,
+            bounds: [[0; 2]; 2],
+            is_small: false,
+            object,
+            triangle: triangle | if behind { BEHIND } else { 0 },
         };
-        let [x, y] = set_up.sample_bounds();
-        let size = self.projection.size;
-        if x[0] > x[1].min(size.x as i32 - 1)
-            || y[0] > y[1].min(size.y as i32 - 1)
-            || x[1] < 0
-            || y[1] < 0
-        {
+        let Some(bounds) = bounds(&set_up.corners, projection.size, self.pass.reach) else {
             return false;
-        }
+        };
+        set_up.bounds = bounds;
         let inverse_w = corners.map(|c| c.1);
         let low = inverse_w.iter().fold(f64::INFINITY, |a, &b| a.min(b));
         let high = inverse_w.iter().fold(0.0, |a: f64, &b| a.max(b));
-        let depth = plane.depth(set_up.corners[0], self.projection);
+        let depth = plane.depth(a, projection);
         // Seen edge-on there may be no usable slope; such a sliver is as far as its farthest corner.
-        let depth = if depth.iter().all(|d| d.is_finite()) {
+        set_up.depth = if depth.iter().all(|d| d.is_finite()) {
             depth
         } else {
             [low as f32, 0.0, 0.0]
         };
-        let depth_range = [low as f32, high as f32];
-        self.out.push(SetUpTriangle {
-            depth,
-            depth_range,
-            ..set_up
-        });
+        set_up.depth_range = [low as f32, high as f32];
+        self.out.push(set_up);
         self.work.triangles_set_up += 1;
         true
     }
 }
 
 impl SetUpTriangle {
-    /// First and last sample whose centre lies within the bounds, along x and y.
-    pub(crate) fn sample_bounds(&self) -> [[i32; 2]; 2] {
-        [0, 1].map(|axis| {
-            let c = self.corners.map(|c| c[axis]);
-            let (low, high) = (c[0].min(c[1]).min(c[2]), c[0].max(c[1]).max(c[2]));
-            let half = SUBSAMPLES / 2;
-            [
-                (low - half + SUBSAMPLES - 1).div_euclid(SUBSAMPLES),
-                (high - half).div_euclid(SUBSAMPLES),
-            ]
-        })
+    /// Which triangle of the mesh.
+    pub(crate) fn index(&self) -> usize {
+        (self.triangle & !BEHIND) as usize
     }
+
+    /// Whether it is seen from behind.
+    pub(crate) fn is_behind(&self) -> bool {
+        self.triangle & BEHIND != 0
+    }
+}
+
+/// First and last sample of the lattice of which a position up to `reach` sub-samples from the centre
+/// lies within the bounds of a triangle, along x and y; `None` if there is none.
+fn bounds(corners: &[[i32; 2]; 3], size: UVec2, reach: i32) -> Option<[[u16; 2]; 2]> {
+    let mut bounds = [[0; 2]; 2];
+    for axis in 0..2 {
+        let c = corners.map(|c| c[axis]);
+        let (low, high) = (c[0].min(c[1]).min(c[2]), c[0].max(c[1]).max(c[2]));
+        let half = SUBSAMPLES / 2;
+        // Shifting right rounds down, for negative numbers too.
+        let first = (low - half - reach + SUBSAMPLES - 1) >> SUBSAMPLES.ilog2();
+        let last = (high - half + reach) >> SUBSAMPLES.ilog2();
+        let (first, last) = (first.max(0), last.min(size[axis] as i32 - 1));
+        if first > last {
+            return None;
+        }
+        bounds[axis] = [first as u16, last as u16];
+    }
+    Some(bounds)
 }
 
 /// Sign of the area with y down: negative faces the eye.
@@ -188,29 +312,4 @@ fn area_sign(c: [[i32; 2]; 3]) -> i64 {
     let [ax, ay] = [0, 1].map(|k| i64::from(c[1][k]) - i64::from(c[0][k]));
     let [bx, by] = [0, 1].map(|k| i64::from(c[2][k]) - i64::from(c[0][k]));
     (ax * by - bx * ay).signum()
-}
-
-/// The plane of a triangle in eye space: n·p = const, facing the eye where `det` is positive.
-#[derive(Clone, Copy)]
-struct Plane {
-    n: DVec3,
-    det: f64,
-}
-
-impl Plane {
-    fn new(v: [&ScreenVertex; 3]) -> Self {
-        // (x, y, w) is left-handed, so the cross product looks inwards and n·p is positive in front.
-        let [a, b, c] = v.map(|v| DVec3::from_array(v.eye.map(f64::from)));
-        let n = (b - a).cross(c - a);
-        Self { n, det: n.dot(a) }
-    }
-
-    /// 1/w at a corner, and its change per sample: 1/w = n·(tx, ty, 1) / n·p for tangents tx, ty.
-    fn depth(&self, corner: [i32; 2], projection: &Projection) -> [f32; 3] {
-        let lattice = DVec2::new(corner[0].into(), corner[1].into()) / f64::from(SUBSAMPLES);
-        let t = projection.tangent(lattice);
-        let step = projection.tangent_step();
-        let n = self.n / self.det;
-        [n.dot(DVec3::new(t.x, t.y, 1.0)), n.x * step.x, n.y * step.y].map(|v| v as f32)
-    }
 }

@@ -55,6 +55,7 @@ pub(crate) fn unlit(meshes: Vec<Mesh>, colour: [f32; 3], sky: [f32; 3]) -> Scene
     let instances = (0..meshes.len())
         .map(|mesh| Instance {
             mesh,
+            lod: None,
             material: 0,
             world_from_object: placed,
             two_sided: false,

@@ -1,13 +1,15 @@
 use foveasim_models::foveation::{Method, Prepared, Request};
-use foveasim_models::{CostProfile, EyePanel, FrameCost, FrameInput, GazeMode, ModelError, Nanos};
+use foveasim_models::{
+    CostProfile, EyePanel, FrameCost, FrameInput, GazeMode, ModelError, Nanos, Resolve,
+};
 
 use crate::Scenario;
 
-/// Rendering time from a cost profile on each frame's own samples: the layers that are due in it, cut
-/// off at the display's edge as its gaze demands.
+/// Rendering time from a cost profile on each frame's own shaded samples: of the layers that are due in
+/// it, cut off at the display's edge as its gaze demands. Visibility that is finer than shading is not
+/// charged, and an image that needs no reconstruction pays for none.
 #[derive(Debug, Clone)]
 pub struct PlanCost {
-    full: bool,
     profile: CostProfile,
     gaze_mode: GazeMode,
     eyes: Vec<(EyePanel, Prepared)>,
@@ -28,7 +30,6 @@ impl PlanCost {
             Ok((panel.clone(), method.prepare(&request)?))
         };
         Ok(Self {
-            full: *method == Method::Full,
             profile: scenario.cost.clone(),
             gaze_mode: scenario.gaze_mode,
             eyes: scenario
@@ -50,11 +51,10 @@ impl FrameCost for PlanCost {
                 _ => panel.ahead(),
             };
             let plan = prepared.plan(gaze).expect("recorded gaze is finite");
-            samples += plan.samples_in_frame(frame.id);
-            pixels += if self.full {
-                0
-            } else {
-                plan.count().display_pixels
+            samples += plan.shadings_in_frame(frame.id);
+            pixels += match plan.resolve {
+                Resolve::Direct => 0,
+                _ => u64::from(plan.display_px.x) * u64::from(plan.display_px.y),
             };
         }
         self.profile.time(samples as f64, pixels as f64)

@@ -30,9 +30,12 @@ fn answer(page: &mut Page, run: &Run, scenario: &Scenario) {
     let error = error.map_or("unknown".into(), |e| format!("{:.1}°", e.p95));
     page.paragraph(&run.answer(scenario));
     page.key_numbers(&[
-        (&format!("{:.1}×", featured.sample_ratio), "fewer samples"),
         (
-            &format!("{:.1}×", featured.sample_ratio_staggered),
+            &format!("{:.1}×", featured.shading_ratio),
+            "fewer shaded samples",
+        ),
+        (
+            &format!("{:.1}×", featured.shading_ratio_staggered),
             "fewer, outer layers at half rate",
         ),
         (
@@ -124,19 +127,19 @@ fn savings(page: &mut Page, run: &Run, scenario: &Scenario) {
     page.heading("What foveation saves");
     let methods = &run.savings.methods;
     let chart = BarChart {
-        title: "Display pixels per sample".into(),
-        value_label: "times fewer samples than full resolution".into(),
+        title: "Display pixels per shaded sample".into(),
+        value_label: "times fewer shaded samples than full resolution".into(),
         groups: methods.iter().map(|m| m.method.to_string()).collect(),
         series: vec![
             BarSeries {
                 label: "every layer in every frame".into(),
-                values: methods.iter().map(|m| Some(m.sample_ratio)).collect(),
+                values: methods.iter().map(|m| Some(m.shading_ratio)).collect(),
             },
             BarSeries {
                 label: "each layer at its own rate".into(),
                 values: methods
                     .iter()
-                    .map(|m| Some(m.sample_ratio_staggered))
+                    .map(|m| Some(m.shading_ratio_staggered))
                     .collect(),
             },
         ],

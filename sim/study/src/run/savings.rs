@@ -27,6 +27,10 @@ pub struct MethodSaving {
     pub samples_staggered: f64,
     /// Display pixels over samples.
     pub sample_ratio: f64,
+    /// Display pixels over evaluations of shading.
+    pub shading_ratio: f64,
+    /// Display pixels over staggered evaluations of shading.
+    pub shading_ratio_staggered: f64,
     /// Display pixels over staggered samples.
     pub sample_ratio_staggered: f64,
     /// Display pixels over the samples of the continuous falloff.
@@ -53,14 +57,14 @@ pub(super) fn savings(scenario: &Scenario) -> Result<Savings, ModelError> {
     let featured = *scenario.featured();
     let map = sweep(scenario.map.displays.clone(), vec![featured]).run(|_| ())?;
     let time = |row: &SweepRow| {
-        let resolved = if row.method == Method::Full {
-            0.0
-        } else {
+        let resolved = if row.layers.is_reconstructed() {
             row.display_samples
+        } else {
+            0.0
         };
         scenario
             .cost
-            .time(row.method_samples_staggered, resolved)
+            .time(row.method_shadings_staggered, resolved)
             .as_ms()
     };
     let full = rows
@@ -71,6 +75,8 @@ pub(super) fn savings(scenario: &Scenario) -> Result<Savings, ModelError> {
         method: row.method,
         samples_staggered: row.method_samples_staggered,
         sample_ratio: row.sample_ratio(),
+        shading_ratio: row.shading_ratio(),
+        shading_ratio_staggered: row.shading_ratio_staggered(),
         sample_ratio_staggered: row.sample_ratio_staggered(),
         ideal_ratio: row.ideal_ratio(),
         predicted_ms: time(row),
@@ -103,7 +109,7 @@ impl Savings {
     pub fn heatmap(&self) -> Heatmap {
         SweepRow::heatmap(
             &self.map,
-            format!("Times fewer samples with {}", self.featured),
+            format!("Times fewer shaded samples with {}", self.featured),
             self.fov.clone(),
             ("pixels per degree at the centre", self.ppd.clone()),
         )

@@ -16,11 +16,11 @@ pub struct SweepRow {
     pub acuity: Acuity,
     /// Where the eye looks, in pixels of the first eye's image.
     pub gaze_px: [f64; 2],
-    /// Whether the layers follow it.
+    /// Whether the sharpest part follows it.
     pub gaze_mode: GazeMode,
-    /// The angle between the gaze and where the layers are centred \[deg\].
+    /// The angle between the gaze and where the sharpest part is \[deg\].
     pub gaze_error_deg: f64,
-    /// The margin designed for \[deg\].
+    /// The margin designed for \[deg\], without the reach of a fixed method.
     pub margin_deg: f64,
     /// Pixels.
     pub display_samples: f64,
@@ -28,14 +28,30 @@ pub struct SweepRow {
     pub method_samples: f64,
     /// Samples in closed form per frame on average, each layer at its own cadence.
     pub method_samples_staggered: f64,
+    /// Evaluations of shading in closed form when every layer is drawn.
+    pub method_shadings: f64,
+    /// Evaluations of shading in closed form per frame on average, each layer at its own cadence.
+    pub method_shadings_staggered: f64,
     /// Samples of the continuous falloff.
     pub ideal_samples: f64,
-    /// Samples of the plan that is drawn; `None` for a display without whole pixels.
-    pub plan_samples: Option<u64>,
-    /// The first eye's layers.
+    /// What the plan draws; `None` for a display without whole pixels.
+    pub drawn: Option<Drawn>,
+    /// How many times more a fixed method of the same quality shades than the tracked one: fixed as
+    /// this is, or with the default reach ([`Aim`](foveasim_models::foveation::Aim)).
+    pub tracked_over_fixed: f64,
+    /// The first eye's layers, or passes.
     pub layers: Estimate,
     /// Whether the acuity line is used farther from its centre than where it was measured.
     pub extrapolated: bool,
+}
+
+/// What plans draw, in whole numbers.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct Drawn {
+    /// Samples.
+    pub samples: u64,
+    /// Evaluations of shading, if no sample shows two triangles.
+    pub shadings: u64,
 }
 
 impl SweepRow {
@@ -49,14 +65,25 @@ impl SweepRow {
         self.display_samples / self.method_samples_staggered
     }
 
+    /// Pixels per evaluation of shading when every layer is drawn.
+    pub fn shading_ratio(&self) -> f64 {
+        self.display_samples / self.method_shadings
+    }
+
+    /// Pixels per evaluation of shading, each layer at its own cadence.
+    pub fn shading_ratio_staggered(&self) -> f64 {
+        self.display_samples / self.method_shadings_staggered
+    }
+
     /// Pixels per sample of the continuous falloff.
     pub fn ideal_ratio(&self) -> f64 {
         self.display_samples / self.ideal_samples
     }
 
-    /// How many times more samples the method needs than the continuous falloff.
+    /// How many times more evaluations of shading the method needs than the continuous falloff has
+    /// samples.
     pub fn over_ideal(&self) -> f64 {
-        self.method_samples / self.ideal_samples
+        self.method_shadings / self.ideal_samples
     }
 
     /// Rows as a table; see the column names of [`COLUMNS`].
@@ -66,7 +93,7 @@ impl SweepRow {
         table
     }
 
-    /// Sample ratios over field of view and another quantity (its name and values): `rows` is the map row
+    /// Shading ratios (for methods that shade each sample, sample ratios) over field of view and another quantity (its name and values): `rows` is the map row
     /// by row from the first value of that, every field of view in each. Extrapolated cells are hatched.
     ///
     /// # Panics
@@ -78,7 +105,7 @@ impl SweepRow {
         (y_label, y): (&str, Vec<f64>),
     ) -> Heatmap {
         let cell = |row: &Self| HeatCell {
-            value: Some(row.sample_ratio()),
+            value: Some(row.shading_ratio()),
             extrapolated: row.extrapolated,
         };
         let cells: Vec<HeatCell> = rows.into_iter().map(cell).collect();
@@ -89,7 +116,7 @@ impl SweepRow {
             x: fov_deg,
             y_label: y_label.into(),
             y,
-            value_label: "display pixels per sample".into(),
+            value_label: "display pixels per shaded sample".into(),
             cells,
             scale: ColourScale::Logarithmic,
         }
@@ -131,17 +158,21 @@ impl SweepRow {
             self.gaze_px[0].into(),
             self.gaze_px[1].into(),
             self.gaze_error_deg.into(),
-            yes(self.gaze_error_deg <= self.margin_deg),
+            yes(self.gaze_error_deg <= self.method.aim().margin_deg(self.margin_deg)),
             coverage.into(),
             blending.into(),
             self.ideal_samples.into(),
             self.over_ideal().into(),
-            self.plan_samples.into(),
+            self.drawn.map(|d| d.samples).into(),
             list(passes.iter().filter_map(|p| p.radius_deg).map(rounded)).into(),
-            list(passes.iter().map(|p| rounded(p.scale))).into(),
+            list(passes.iter().map(|p| scale(p.scale))).into(),
             list(passes.iter().map(|p| format!("1/{}", p.every))).into(),
             rates.into(),
             yes(self.extrapolated),
+            self.method_shadings.into(),
+            self.shading_ratio().into(),
+            self.drawn.map(|d| d.shadings).into(),
+            self.tracked_over_fixed.into(),
         ]
     }
 }
@@ -151,8 +182,11 @@ impl SweepRow {
 /// `width_px` and `height_px` are one eye's; `method_samples` is the closed form (Guenter 2012, Eqs
 /// 2–8), `plan_samples` the whole number that is drawn; `gaze_within_margin` says whether the eye is
 /// still where the design holds; `extrapolated` whether the screen reaches farther from where the
-/// layers are centred than acuity slopes were measured ([`Acuity::MEASURED_TO_DEG`]).
-pub const COLUMNS: [&str; 31] = [
+/// sharpest part is than acuity slopes were measured ([`Acuity::MEASURED_TO_DEG`]). Samples are places
+/// where visibility is found, shadings evaluations of shading: fewer under variable-rate shading, else
+/// as many. `over_ideal` compares shadings. `tracked_over_fixed` is how many times more a fixed method
+/// shades for the same quality.
+pub const COLUMNS: [&str; 35] = [
     "method",
     "fov_h_deg",
     "width_px",
@@ -184,6 +218,10 @@ pub const COLUMNS: [&str; 31] = [
     "layer_drawn",
     "layer_rates_hz",
     "extrapolated",
+    "method_shadings",
+    "shading_ratio",
+    "plan_shadings",
+    "tracked_over_fixed",
 ];
 
 fn yes(is: bool) -> Cell {
@@ -193,6 +231,15 @@ fn yes(is: bool) -> Cell {
 /// Values within one cell.
 fn list(values: impl Iterator<Item = String>) -> String {
     values.collect::<Vec<_>>().join(" ")
+}
+
+/// Pixels per sample: one number where both axes are alike.
+fn scale(scale: glam::DVec2) -> String {
+    if scale.x == scale.y {
+        rounded(scale.x)
+    } else {
+        format!("{}x{}", rounded(scale.x), rounded(scale.y))
+    }
 }
 
 fn rounded(value: f64) -> String {

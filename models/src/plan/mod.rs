@@ -1,0 +1,93 @@
+//! [`SamplePlan`] and its parts.
+
+mod count;
+mod lattice;
+mod pass;
+mod region;
+mod resolve;
+mod shading;
+
+pub use count::{PassCount, PlanCount};
+pub use lattice::{Affine, Lattice, Map};
+pub use pass::{Cadence, Msaa, Pass, Visibility};
+pub use region::{CellMask, Region};
+pub use resolve::{Feather, Resolve};
+pub use shading::{Shading, ShadingRate, TileRates};
+
+use glam::{DVec2, UVec2};
+
+use crate::Eye;
+
+/// Where a foveation method puts its samples: data, not code in a renderer. The same plan is counted
+/// and drawn, so prediction and picture cannot drift apart.
+#[derive(Debug, Clone, PartialEq)]
+pub struct SamplePlan {
+    /// The method that made it, as users write it (`layers:3`).
+    pub method: String,
+    /// The image it is for.
+    pub display_px: UVec2,
+    /// What is sampled, innermost first.
+    pub passes: Vec<Pass>,
+    /// How the passes become the displayed image.
+    pub resolve: Resolve,
+}
+
+impl SamplePlan {
+    /// Every display pixel sampled once.
+    pub fn full(eye: Eye, display_px: UVec2) -> Self {
+        let pass = Pass {
+            eye,
+            lattice: Lattice::Grid(display_px),
+            map: Map::Affine(Affine::IDENTITY),
+            region: Region::All,
+            offset: DVec2::ZERO,
+            visibility: Visibility::Own(Msaa::One),
+            shading: Shading::PerSample,
+            cadence: Cadence::EVERY_FRAME,
+        };
+        Self {
+            method: "full".into(),
+            display_px,
+            passes: vec![pass],
+            resolve: Resolve::Direct,
+        }
+    }
+
+    /// Exact counts.
+    pub fn count(&self) -> PlanCount {
+        let count = |p: &Pass| PassCount {
+            samples: p.samples(),
+            shadings: p.shadings(),
+            every: p.cadence.every.get(),
+        };
+        PlanCount {
+            passes: self.passes.iter().map(count).collect(),
+            display_pixels: u64::from(self.display_px.x) * u64::from(self.display_px.y),
+        }
+    }
+
+    /// Samples drawn in `frame`.
+    pub fn samples_in_frame(&self, frame: u64) -> u64 {
+        let due = self.passes.iter().filter(|p| p.cadence.is_due(frame));
+        due.map(Pass::samples).sum()
+    }
+
+    /// Evaluations of shading in `frame` (see [`PassCount::shadings`]).
+    pub fn shadings_in_frame(&self, frame: u64) -> u64 {
+        let due = self.passes.iter().filter(|p| p.cadence.is_due(frame));
+        due.map(Pass::shadings).sum()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn full_counts_every_pixel() {
+        let plan = SamplePlan::full(Eye::Cyclopean, UVec2::new(1920, 1080));
+        assert_eq!(plan.count().samples(), 1920 * 1080);
+        assert_eq!(plan.count().ratio(), 1.0);
+        assert_eq!(plan.samples_in_frame(3), 1920 * 1080);
+    }
+}

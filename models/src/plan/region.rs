@@ -1,0 +1,94 @@
+use std::sync::Arc;
+
+use glam::UVec2;
+
+/// Which samples of a lattice are drawn.
+#[derive(Debug, Clone, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum Region {
+    /// All.
+    All,
+    /// Those in live cells.
+    Cells(CellMask),
+}
+
+/// A lattice cut into equal cells (the last of a row or column may be cut short), each live or not.
+#[derive(Debug, Clone, PartialEq, Eq)]
+pub struct CellMask {
+    lattice: UVec2,
+    cell: UVec2,
+    live: Arc<[bool]>,
+}
+
+impl CellMask {
+    /// Cuts `lattice` into cells of `cell` samples (each side at least 1; clamped) and asks for each,
+    /// by column and row, whether it is live.
+    pub fn new(lattice: UVec2, cell: UVec2, mut is_live: impl FnMut(UVec2) -> bool) -> Self {
+        let cell = cell.max(UVec2::ONE);
+        let cells = cells(lattice, cell);
+        let live = (0..cells.y)
+            .flat_map(|y| (0..cells.x).map(move |x| UVec2::new(x, y)))
+            .map(&mut is_live)
+            .collect();
+        Self {
+            lattice,
+            cell,
+            live,
+        }
+    }
+
+    /// The lattice that it is for.
+    pub fn lattice(&self) -> UVec2 {
+        self.lattice
+    }
+
+    /// Samples across and down of a cell.
+    pub fn cell(&self) -> UVec2 {
+        self.cell
+    }
+
+    /// Whether a sample of the lattice is live.
+    ///
+    /// # Panics
+    /// If there is no such sample.
+    pub fn is_live(&self, sample: UVec2) -> bool {
+        assert!(sample.cmplt(self.lattice).all(), "no sample {sample}");
+        let place = sample / self.cell;
+        self.live[(place.y * cells(self.lattice, self.cell).x + place.x) as usize]
+    }
+
+    /// How many samples are live.
+    pub fn samples(&self) -> u64 {
+        let across = cells(self.lattice, self.cell).x as usize;
+        let size = |index: usize| {
+            let first = UVec2::new((index % across) as u32, (index / across) as u32) * self.cell;
+            let size = (self.lattice - first).min(self.cell);
+            u64::from(size.x) * u64::from(size.y)
+        };
+        let live = self.live.iter().enumerate().filter(|(_, live)| **live);
+        live.map(|(index, _)| size(index)).sum()
+    }
+}
+
+/// Cells across and down.
+pub(super) fn cells(lattice: UVec2, cell: UVec2) -> UVec2 {
+    UVec2::new(lattice.x.div_ceil(cell.x), lattice.y.div_ceil(cell.y))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn live_samples_are_counted_cell_by_cell() {
+        let lattice = UVec2::new(10, 7);
+        let mask = CellMask::new(lattice, UVec2::new(4, 3), |c| (c.x + c.y) % 2 == 0);
+        let live = (0..7)
+            .flat_map(|y| (0..10).map(move |x| UVec2::new(x, y)))
+            .filter(|s| mask.is_live(*s))
+            .count();
+        assert_eq!(mask.samples(), live as u64);
+        assert!(mask.is_live(UVec2::new(9, 6)) && !mask.is_live(UVec2::new(4, 0)));
+        assert_eq!(CellMask::new(UVec2::ZERO, lattice, |_| true).samples(), 0);
+    }
+}

@@ -1,0 +1,256 @@
+use foveasim_models::{Msaa, Shading, ShadingRate, TileRates, Work};
+use glam::UVec2;
+
+use crate::tile::{BLOCK, BLOCKS_ACROSS, SampleTile, TILE, TILE_SAMPLES, TileBuffers, index_of};
+
+/// No triangle: sky.
+pub(crate) const SKY: u32 = u32::MAX;
+const UNSEEN: u32 = u32::MAX;
+/// Not crossed by an edge.
+const WHOLE: u16 = u16::MAX;
+
+/// One evaluation of shading: a triangle (or the sky) in a sample, or in a block of coarse shading.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Fragment {
+    /// Which of the tile's visible triangles, or [`SKY`].
+    pub(crate) triangle: u32,
+    /// First sample in the tile.
+    pub(crate) first: [u8; 2],
+    /// Samples across and down.
+    pub(crate) size: [u8; 2],
+    /// For each sample, row by row, at which positions of visibility it is seen.
+    pub(crate) seen: u64,
+}
+
+/// What is to be shaded with one material, or as sky.
+#[derive(Debug, Default)]
+pub(crate) struct Bucket {
+    /// Blocks of eight samples that see this material alone, each sample one triangle.
+    pub(crate) blocks: Vec<u16>,
+    /// All the rest.
+    pub(crate) fragments: Vec<Fragment>,
+}
+
+/// The work of shading one tile, sorted by material.
+#[derive(Debug)]
+pub(crate) struct Fragments {
+    /// Sky first, then each material of the scene.
+    pub(crate) buckets: Vec<Bucket>,
+    /// The slots of visible triangles, in the order in which they were first met.
+    pub(crate) visible: Vec<u32>,
+    /// For each slot, its place in `visible`.
+    pub(crate) of_slot: Vec<u32>,
+    /// For each slot, its bucket.
+    bucket_of: Vec<u32>,
+    /// Samples crossed by an edge: column and row.
+    pub(crate) edges: Vec<[u8; 2]>,
+    /// For each sample, its place in `edges`.
+    edge_of: Vec<u16>,
+}
+
+/// How a tile is shaded.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Rates<'a>(pub(crate) Option<&'a TileRates>);
+
+impl<'a> Rates<'a> {
+    pub(crate) fn of(shading: &'a Shading) -> Self {
+        match shading {
+            Shading::Coarse(rates) => Self(Some(rates)),
+            _ => Self(None),
+        }
+    }
+
+    fn at(self, sample: UVec2) -> ShadingRate {
+        self.0.map_or(ShadingRate::FULL, |rates| rates.rate(sample))
+    }
+}
+
+impl Fragments {
+    pub(crate) fn new(materials: usize) -> Self {
+        Self {
+            buckets: (0..=materials).map(|_| Bucket::default()).collect(),
+            visible: Vec::new(),
+            of_slot: Vec::new(),
+            bucket_of: Vec::new(),
+            edges: Vec::new(),
+            edge_of: vec![WHOLE; TILE_SAMPLES],
+        }
+    }
+
+    /// Which edge sample a sample of the tile is, if it is one.
+    pub(crate) fn edge(&self, x: u32, y: u32) -> usize {
+        self.edge_of[index_of(x, y)] as usize
+    }
+
+    /// Collects what is visible in a tile; `materials` are those of the slots, from 1 on.
+    pub(crate) fn collect(
+        &mut self,
+        tile: &SampleTile,
+        buffers: &TileBuffers,
+        msaa: Msaa,
+        rates: Rates<'_>,
+        materials: impl ExactSizeIterator<Item = u32>,
+        work: &mut Work,
+    ) {
+        for bucket in &mut self.buckets {
+            bucket.blocks.clear();
+            bucket.fragments.clear();
+        }
+        for [x, y] in self.edges.drain(..) {
+            self.edge_of[index_of(x.into(), y.into())] = WHOLE;
+        }
+        self.visible.clear();
+        self.bucket_of.clear();
+        self.of_slot.clear();
+        self.of_slot.resize(materials.len() + 1, UNSEEN);
+        self.of_slot[0] = SKY;
+        self.bucket_of.push(0);
+        self.bucket_of.extend(materials.map(|m| m + 1));
+        let collector = Collector { buffers, msaa };
+        for block in 0..buffers.valid.len() {
+            if buffers.valid[block] == 0 && rates.0.is_none() {
+                continue;
+            }
+            let first = UVec2::new(
+                block as u32 % BLOCKS_ACROSS * BLOCK[0],
+                block as u32 / BLOCKS_ACROSS * BLOCK[1],
+            );
+            if first.cmpge(tile.size).any() {
+                continue;
+            }
+            match rates.at(tile.origin + first) {
+                ShadingRate { x: 1, y: 1 } => self.block(&collector, block, first, work),
+                rate => self.coarse(&collector, first, rate, work),
+            }
+        }
+        for (bucket, count) in self.buckets.iter().zip(0..) {
+            let shaded = bucket.blocks.len() * 8 + bucket.fragments.len();
+            if count == 0 {
+                work.samples_sky += shaded as u64;
+            } else {
+                work.samples_shaded += shaded as u64;
+            }
+        }
+    }
+
+    /// Notes that a slot is visible.
+    #[inline(always)]
+    fn see(&mut self, slot: u32) {
+        let place = &mut self.of_slot[slot as usize];
+        if *place == UNSEEN && slot != 0 {
+            *place = self.visible.len() as u32;
+            self.visible.push(slot);
+        }
+    }
+
+    /// Eight samples, each shaded by itself.
+    fn block(&mut self, c: &Collector<'_>, block: usize, first: UVec2, work: &mut Work) {
+        let positions = c.msaa.positions() as usize;
+        let valid = c.buffers.valid[block];
+        let slots = &c.buffers.slot[block * positions * 8..(block + 1) * positions * 8];
+        let (nearest, others) = slots.split_at(8);
+        let plain = others.chunks_exact(8).all(|row| row == nearest);
+        if plain {
+            // What is not drawn may hold anything, but nothing that is not there.
+            let mut last = nearest[0];
+            self.see(last);
+            let bucket = self.bucket_of[last as usize];
+            let mut alike = valid == 0xff;
+            for &slot in &nearest[1..] {
+                if slot != last {
+                    self.see(slot);
+                    alike &= self.bucket_of[slot as usize] == bucket;
+                    last = slot;
+                }
+            }
+            if alike {
+                self.buckets[bucket as usize].blocks.push(block as u16);
+                return;
+            }
+            for (lane, &slot) in nearest.iter().enumerate() {
+                if valid >> lane & 1 != 0 {
+                    let fragment = Fragment {
+                        triangle: self.of_slot[slot as usize],
+                        first: [
+                            (first.x + lane as u32 % BLOCK[0]) as u8,
+                            (first.y + lane as u32 / BLOCK[0]) as u8,
+                        ],
+                        size: [1, 1],
+                        seen: (1 << positions) - 1,
+                    };
+                    let bucket = self.bucket_of[slot as usize] as usize;
+                    self.buckets[bucket].fragments.push(fragment);
+                }
+            }
+            return;
+        }
+        for lane in (0..8).filter(|lane| valid >> lane & 1 != 0) {
+            let sample = first + UVec2::new(lane % BLOCK[0], lane / BLOCK[0]);
+            self.group(c, sample, UVec2::ONE, work);
+        }
+    }
+
+    /// The blocks of coarse shading that begin in a block of samples.
+    fn coarse(&mut self, c: &Collector<'_>, first: UVec2, rate: ShadingRate, work: &mut Work) {
+        let size = UVec2::new(rate.x, rate.y);
+        for y in (first.y..first.y + BLOCK[1]).filter(|y| y % rate.y == 0) {
+            for x in (first.x..first.x + BLOCK[0]).filter(|x| x % rate.x == 0) {
+                self.group(c, UVec2::new(x, y), size, work);
+            }
+        }
+    }
+
+    /// Everything visible in `size` samples from `first` on: one fragment for each triangle.
+    fn group(&mut self, c: &Collector<'_>, first: UVec2, size: UVec2, work: &mut Work) {
+        let positions = c.msaa.positions() as usize;
+        // At most 16 samples of 4 positions.
+        let (mut found, mut count) = ([(0u32, 0u64); 64], 0);
+        for dy in 0..size.y {
+            for dx in 0..size.x {
+                let (x, y) = (first.x + dx, first.y + dy);
+                if x >= TILE || y >= TILE {
+                    continue;
+                }
+                let index = index_of(x, y);
+                let (block, lane) = (index / 8, index % 8);
+                if c.buffers.valid[block] >> lane & 1 == 0 {
+                    continue;
+                }
+                let sample = (dy * size.x + dx) as usize;
+                let mut several = false;
+                for p in 0..positions {
+                    let slot = c.buffers.slot[(block * positions + p) * 8 + lane];
+                    let bit = 1 << (sample * positions + p);
+                    let place = found[..count].iter().position(|f| f.0 == slot);
+                    let place = place.unwrap_or_else(|| {
+                        count += 1;
+                        count - 1
+                    });
+                    found[place] = (slot, found[place].1 | bit);
+                    several |= slot != c.buffers.slot[block * positions * 8 + lane];
+                }
+                if several {
+                    self.edge_of[index] = self.edges.len() as u16;
+                    self.edges.push([x as u8, y as u8]);
+                    work.samples_with_edge += 1;
+                }
+            }
+        }
+        for &(slot, seen) in &found[..count] {
+            self.see(slot);
+            let bucket = self.bucket_of[slot as usize] as usize;
+            self.buckets[bucket].fragments.push(Fragment {
+                triangle: self.of_slot[slot as usize],
+                first: [first.x as u8, first.y as u8],
+                size: [size.x as u8, size.y as u8],
+                seen,
+            });
+        }
+    }
+}
+
+#[derive(Clone, Copy)]
+struct Collector<'a> {
+    buffers: &'a TileBuffers,
+    msaa: Msaa,
+}

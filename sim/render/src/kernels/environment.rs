@@ -1,0 +1,91 @@
+use fearless_simd::prelude::*;
+use foveasim_assets::EnvironmentMap;
+
+use super::lanes::{F, Simd, V3, i32x8, max, min, splat, u32x8};
+use super::shade::Light;
+use super::sky::over_ground;
+
+/// The environment in unit direction `d`, averaged over `angle` [rad]: bilinear in each of the two
+/// halved copies whose texels are next in size, and linear between them.
+#[inline(always)]
+pub(super) fn environment<S: Simd>(
+    simd: S,
+    map: &EnvironmentMap,
+    light: &Light,
+    d: V3<S>,
+    angle: F<S>,
+) -> V3<S> {
+    // Where the direction is in the map, 0 to 1. Straight down is nowhere in it: anywhere will do.
+    let zero = splat(simd, 0.0);
+    let around = d.x.abs() + d.z.abs();
+    let up = max(d.y, zero) * EnvironmentMap::RISE as f32;
+    let half = splat(simd, 0.5) / max(around + up, splat(simd, 1e-20));
+    let place = [(d.x + d.z) * half + 0.5, (d.x - d.z) * half + 0.5];
+
+    // 2^level·(1 + t) texels are averaged over. Bits of the exponent and of the mantissa say which: t is
+    // log₂'s chord, off by 0.09 of a level at most.
+    let coarsest = map.levels() - 1;
+    let texels = angle * (1.0 / map.texel_angle()) as f32;
+    let texels = min(
+        max(texels, splat(simd, 1.0)),
+        splat(simd, (1u32 << coarsest) as f32),
+    );
+    let bits: u32x8<S> = texels.bitcast();
+    let level = (bits >> 23) - 127;
+    let t: F<S> = ((bits & 0x007f_ffff) | 0x3f80_0000).bitcast();
+    let t = t - 1.0;
+
+    let mut colour = bilinear(simd, map, level, place);
+    // Most samples are finer than the map: then there is but one copy to read.
+    if t.simd_gt(0.0).any_true() {
+        let level = level.to_array().map(|l| (l + 1).min(coarsest as u32));
+        let coarser = bilinear(simd, map, u32x8::from_slice(simd, &level), place);
+        colour = colour.mix(coarser, t);
+    }
+    over_ground(simd, light, colour, d, angle)
+}
+
+/// Between the four texels about a place, in one copy for each lane.
+#[inline(always)]
+fn bilinear<S: Simd>(simd: S, map: &EnvironmentMap, level: u32x8<S>, place: [F<S>; 2]) -> V3<S> {
+    let zero = splat(simd, 0.0);
+    // 2^−level is exact, and so is the size of each copy.
+    let shrink: F<S> = ((u32x8::splat(simd, 127) - level) << 23).bitcast();
+    let last = shrink * map.size() as f32 - 1.0;
+    let size = last + 1.0;
+    let [(x0, x1, fx), (y0, y1, fy)] = place.map(|p| {
+        let at = min(max(p * size - 0.5, zero), last);
+        let low = at.floor();
+        let high = min(low + 1.0, last);
+        let whole = |x: F<S>| x.to_int::<i32x8<S>>().to_array();
+        (whole(low), whole(high), at - low)
+    });
+    let level = level.to_array();
+    let texel = |x: [i32; 8], y: [i32; 8]| {
+        let mut texels = [0; 8];
+        for lane in 0..8 {
+            let level = level[lane] as usize;
+            let row = y[lane] as usize * (map.size() as usize >> level);
+            texels[lane] = map.texels()[map.starts()[level] + row + x[lane] as usize];
+        }
+        unpack(u32x8::from_slice(simd, &texels))
+    };
+    let upper = texel(x0, y0).mix(texel(x1, y0), fx);
+    let lower = texel(x0, y1).mix(texel(x1, y1), fx);
+    upper.mix(lower, fy)
+}
+
+/// Shared-exponent texels, as [`EnvironmentMap::unpack`].
+#[inline(always)]
+fn unpack<S: Simd>(texels: u32x8<S>) -> V3<S> {
+    let scale: F<S> = (((texels >> 27) + (127 - 24)) << 23).bitcast();
+    let component = |bits: u32x8<S>| {
+        let whole: i32x8<S> = (bits & 0x1ff).bitcast();
+        whole.to_float::<F<S>>() * scale
+    };
+    V3 {
+        x: component(texels),
+        y: component(texels >> 9),
+        z: component(texels >> 18),
+    }
+}

@@ -1,0 +1,87 @@
+use fearless_simd::prelude::*;
+use foveasim_assets::Phong;
+
+use super::lanes::{F, Simd, V3, i32x8, max, splat};
+use super::shade::{Hit, Light};
+
+/// See [`Phong`].
+#[inline(always)]
+pub(super) fn phong<S: Simd>(simd: S, m: &Phong, light: &Light, hit: &Hit<S>) -> V3<S> {
+    let zero = splat(simd, 0.0);
+    let (v, l) = (hit.view, V3::splat(simd, light.sun_direction));
+    let away = hit.normal.dot(v).simd_lt(0.0);
+    let sign = away.select(splat(simd, -1.0), splat(simd, 1.0));
+    let n = hit.normal.scale(sign);
+    let n_l = n.dot(l);
+    // The light's direction mirrored about the normal.
+    let r = n.scale(n_l * 2.0).add(l.scale(splat(simd, -1.0)));
+    let mut lobe = max(r.dot(v), zero);
+    for _ in 0..m.shininess_log2 {
+        lobe = lobe * lobe;
+    }
+    let k = hit.world.scale(splat(simd, m.frequency));
+    let colour = V3 {
+        x: sin(simd, k.x) * 0.5 + 0.5,
+        y: sin(simd, k.y) * 0.5 + 0.5,
+        z: sin(simd, k.z) * 0.5 + 0.5,
+    };
+    let lit = colour.scale(max(n_l, zero) * m.diffuse + m.ambient);
+    let shine = lobe * m.specular;
+    let sum = V3 {
+        x: lit.x + shine,
+        y: lit.y + shine,
+        z: lit.z + shine,
+    };
+    sum.mul(V3::splat(simd, light.sun_radiance))
+}
+
+/// sin x, within 5e-7 for |x| up to 2¹⁵ (tested); beyond, x is reduced with ever larger error.
+#[inline(always)]
+pub(super) fn sin<S: Simd>(simd: S, x: F<S>) -> F<S> {
+    // x = kπ + r with |r| ≤ π/2; π in three parts, the first two exact in products with small k
+    // (Cody and Waite 1980).
+    let k = (x * std::f32::consts::FRAC_1_PI + 0.5).floor();
+    let r = x - k * 3.140_625 - k * 9.670_257_6e-4 - k * 6.277_114e-7;
+    let odd = (k.to_int::<i32x8<S>>() & 1).simd_eq(1);
+    let r2 = r * r;
+    // The odd polynomial of degree 11 that is nearest to the sine over ±π/2.
+    let p = r2 * -2.388_985_9e-8 + 2.752_556_2e-6;
+    let p = p * r2 - 1.984_087_4e-4;
+    let p = p * r2 + 8.333_331e-3;
+    let p = p * r2 - 0.166_666_67;
+    let s = r + r * r2 * p;
+    odd.select(splat(simd, 0.0) - s, s)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{Kernel, dispatch};
+    use super::*;
+    use crate::Simd as Choice;
+
+    struct Sine([f32; 8]);
+
+    impl Kernel for Sine {
+        type Output = [f32; 8];
+
+        #[inline(always)]
+        fn run<S: Simd>(self, simd: S) -> [f32; 8] {
+            sin(simd, F::from_slice(simd, &self.0)).to_array()
+        }
+    }
+
+    #[test]
+    fn sines_are_within_their_bound() {
+        let mut worst: f64 = 0.0;
+        for i in -40_000..40_000 {
+            let x: [f32; 8] = std::array::from_fn(|k| i as f32 * 0.777 + k as f32 * 0.093);
+            let got = dispatch(Choice::Auto, Sine(x));
+            assert_eq!(got, dispatch(Choice::Scalar, Sine(x)));
+            for (x, got) in x.into_iter().zip(got) {
+                let exact = foveasim_models::math::sin(f64::from(x));
+                worst = worst.max((f64::from(got) - exact).abs());
+            }
+        }
+        assert!(worst < 5e-7, "{worst:e}");
+    }
+}

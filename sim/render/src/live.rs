@@ -1,0 +1,175 @@
+use foveasim_models::{Affine, CellMask, Feather, Lattice, Map, Pass, Region, Resolve, SamplePlan};
+use foveasim_models::{Viewport, Work};
+use glam::{DVec2, DVec3, UVec2};
+
+use crate::tile::{BLOCK, SampleTile, TILE, position_of};
+
+/// Which samples of a pass are drawn.
+#[derive(Debug)]
+pub(crate) struct Live<'a> {
+    region: Option<&'a CellMask>,
+    hidden: Option<Hidden<'a>>,
+}
+
+/// What inner layers hide of a pass: all that is seen only where they have full weight.
+#[derive(Debug)]
+struct Hidden<'a> {
+    optics: &'a Viewport,
+    map: Affine,
+    gaze: DVec3,
+    /// Cosine of the eccentricity up to which all is hidden.
+    cosine: f64,
+}
+
+/// The blending kernel works in single precision: what it calls full weight ends this much earlier.
+const SLACK: f64 = 1e-4;
+
+impl<'a> Live<'a> {
+    /// For pass `index` of a plan; what is hidden is left out if `skip_hidden`.
+    pub(crate) fn new(
+        plan: &'a SamplePlan,
+        index: usize,
+        optics: &'a Viewport,
+        skip_hidden: bool,
+    ) -> Self {
+        let pass = &plan.passes[index];
+        let region = match &pass.region {
+            Region::Cells(mask) => Some(mask),
+            _ => None,
+        };
+        let hidden = match (&plan.resolve, pass.map) {
+            (Resolve::Feather(feather), Map::Affine(map)) if skip_hidden => {
+                Hidden::new(plan, feather, index, optics, map)
+            }
+            _ => None,
+        };
+        Self { region, hidden }
+    }
+
+    /// Takes dead samples out of the lanes of each block that are `valid`.
+    pub(crate) fn clear_dead(&self, tile: &SampleTile, valid: &mut [u8]) {
+        if let Some(mask) = self.region {
+            each_block(tile, valid, |_, sample| mask.is_live(sample));
+        }
+        if let Some(hidden) = &self.hidden {
+            if hidden.touches(tile) {
+                hidden.clear(tile, valid);
+            }
+        }
+    }
+
+    /// Counts the samples of `tile` that are not drawn, given the lanes that are.
+    pub(crate) fn count(&self, tile: &SampleTile, valid: &[u8], work: &mut Work) {
+        if self.region.is_none() && self.hidden.is_none() {
+            return;
+        }
+        let drawn: u64 = valid.iter().map(|v| u64::from(v.count_ones())).sum();
+        let all = u64::from(tile.size.x) * u64::from(tile.size.y);
+        let dead = self.region.map_or(0, |mask| {
+            let samples =
+                (0..tile.size.y).flat_map(|y| (0..tile.size.x).map(move |x| UVec2::new(x, y)));
+            samples.filter(|s| !mask.is_live(tile.origin + *s)).count() as u64
+        });
+        work.samples_dead += dead;
+        work.samples_hidden += all - drawn - dead;
+    }
+}
+
+/// Keeps of the `valid` lanes those for which `keep` holds of block and sample.
+fn each_block(tile: &SampleTile, valid: &mut [u8], keep: impl Fn(usize, UVec2) -> bool) {
+    for (block, lanes) in valid.iter_mut().enumerate() {
+        for lane in 0..8 {
+            let [x, y] = position_of(block * 8 + lane);
+            if *lanes >> lane & 1 != 0 && !keep(block, tile.origin + UVec2::new(x, y)) {
+                *lanes &= !(1 << lane);
+            }
+        }
+    }
+}
+
+impl<'a> Hidden<'a> {
+    fn new(
+        plan: &SamplePlan,
+        feather: &Feather,
+        index: usize,
+        optics: &'a Viewport,
+        map: Affine,
+    ) -> Option<Self> {
+        // The widest of the inner layers that has samples at all.
+        let from = (0..index)
+            .filter(|&k| plan.passes[k].lattice.samples() > 0)
+            .filter_map(|k| feather.edges_tan.get(k))
+            .map(|edge| edge[0])
+            .fold(0.0, f64::max);
+        let tan = from * (1.0 - SLACK) - 1e-6;
+        // From 45° on, cones are left alone: layers that wide hide little that is on a screen.
+        (tan > 0.0 && tan < 1.0).then(|| Self {
+            optics,
+            map,
+            gaze: feather.gaze,
+            cosine: 1.0 / foveasim_models::math::sqrt(1.0 + tan * tan),
+        })
+    }
+
+    /// Whether a lattice position is seen within the cone.
+    fn holds(&self, lattice: DVec2) -> bool {
+        let d = self
+            .optics
+            .direction(self.map.display_from_lattice(lattice));
+        let along = d.dot(self.gaze);
+        along > 0.0 && along * along >= self.cosine * self.cosine * d.length_squared()
+    }
+
+    /// Whether all pixels that read a sample between `low` and `high` are in the cone. They lie less
+    /// than a sample's width away, and a cone meets the image in a convex region: corners will do.
+    fn hides(&self, low: UVec2, high: UVec2) -> bool {
+        let low = low.as_dvec2() - 0.5;
+        let high = high.as_dvec2() + 0.5;
+        [
+            low,
+            high,
+            DVec2::new(low.x, high.y),
+            DVec2::new(high.x, low.y),
+        ]
+        .into_iter()
+        .all(|corner| self.holds(corner))
+    }
+
+    /// Whether any sample of the tile may be hidden: whether its part nearest to the gaze is.
+    fn touches(&self, tile: &SampleTile) -> bool {
+        let Some(centre) = self.optics.project(self.gaze) else {
+            return true;
+        };
+        let (low, high) = (tile.origin.as_dvec2(), (tile.origin + tile.size).as_dvec2());
+        let nearest = self.map.lattice_from_display(centre).clamp(low, high);
+        // The region is not a circle about the gaze's place, but it is convex and holds it.
+        let margin = f64::from(TILE);
+        self.holds(nearest) || (nearest - self.map.lattice_from_display(centre)).length() < margin
+    }
+
+    fn clear(&self, tile: &SampleTile, valid: &mut [u8]) {
+        for (block, lanes) in valid.iter_mut().enumerate() {
+            let [x, y] = position_of(block * 8);
+            let first = tile.origin + UVec2::new(x, y);
+            if self.hides(first, first + UVec2::from(BLOCK)) {
+                *lanes = 0;
+                continue;
+            }
+            for lane in 0..8 {
+                let [x, y] = position_of(block * 8 + lane);
+                let sample = tile.origin + UVec2::new(x, y);
+                if *lanes >> lane & 1 != 0 && self.hides(sample, sample + UVec2::ONE) {
+                    *lanes &= !(1 << lane);
+                }
+            }
+        }
+    }
+}
+
+/// Samples of a grid that a pass covers; nothing for what is not a grid.
+pub(crate) fn grid(pass: &Pass) -> UVec2 {
+    match pass.lattice {
+        Lattice::Grid(size) => size,
+        _ => UVec2::ZERO,
+    }
+}

@@ -32,8 +32,8 @@ pub use replay::{
     ReplaySummary, Spread, replay,
 };
 pub use reproduce::{
-    Antialiasing, Column, Content, Guenter2012, Guenter2012Outcome, LatencyBars, LatencyRow,
-    Predicted, PredictedRow, QualityRow, QualitySweep, ReproduceError, Table1, Table1Cell, Times,
+    Antialiasing, Column, Guenter2012, Guenter2012Outcome, LatencyBars, LatencyRow, Predicted,
+    PredictedRow, QualityRow, QualitySweep, ReproduceError, Table1, Table1Cell, Times,
 };
 pub use run::{MOMENT_PICTURES, MethodSaving, Moment, PlanCost, Run, RunError, Savings, run};
 pub use scenario::{

@@ -1,7 +1,6 @@
 //! A paper's tables and figures, ours beside theirs: Guenter et al., *Foveated 3D Graphics*, 2012.
 
 mod antialiasing;
-mod content;
 mod latency;
 mod page;
 mod paper;
@@ -12,6 +11,7 @@ mod table1;
 
 use std::time::Duration;
 
+use foveasim_assets::{StudyContent, study_scene};
 use foveasim_models::foveation::Method;
 use foveasim_models::{Acuity, Geometry, ModelError, Viewport, presets};
 use foveasim_quality::QualityError;
@@ -20,7 +20,6 @@ use foveasim_reports::{ReportError, Table};
 use glam::UVec2;
 use thiserror::Error;
 
-pub use content::Content;
 pub use latency::{LatencyBars, LatencyRow};
 pub use paper::Column;
 pub use predicted::{Predicted, PredictedRow};
@@ -29,7 +28,6 @@ pub use shooter::{Antialiasing, Times};
 pub use table1::{Table1, Table1Cell};
 
 use crate::{FrameError, LatencyError, TemporalQuality};
-use content::CONTENTS;
 use paper::COLUMNS;
 use shooter::Flight;
 
@@ -157,12 +155,12 @@ impl Guenter2012 {
         let informal_index = quality::informal_index(&flight)?;
         let informal = Acuity::from_quality_index(informal_index)?;
 
-        let cells = (CONTENTS.len() * COLUMNS.len() * moments.len()) as f64;
+        let cells = (StudyContent::ALL.len() * COLUMNS.len() * moments.len()) as f64;
         let mut step = stepper(progress, "Table 1", [0.02, 0.4], cells);
         let table_1 = Table1::measure(&flight, informal, &moments, clock, &mut step)?;
 
-        let scene = Content::Full.scene(self.seed);
-        let full = &table_1.cell(Content::Full, Column::Reference).times;
+        let scene = study_scene(self.seed);
+        let full = &table_1.cell(StudyContent::Full, Column::Reference).times;
         let cells = (quality::INDICES.count() * 3 * moments.len()) as f64;
         let mut step = stepper(progress, "Figs 10 and 11", [0.4, 0.75], cells);
         let quality = QualitySweep::measure(&flight, &scene, full, &moments, clock, &mut step)?;
@@ -188,10 +186,8 @@ impl Guenter2012 {
         let display = presets::display("lg-w2363d")?;
         debug_assert!(matches!(display.geometry, Geometry::Planar { .. }));
         let [_, right, ..] = display.primary().viewport.tan;
-        Ok(Flight {
-            viewport: Viewport::symmetric(size, right)?,
-            seed: self.seed,
-        })
+        let viewport = Viewport::symmetric(size, right)?;
+        Ok(Flight::new(viewport, self.seed))
     }
 }
 
@@ -235,7 +231,7 @@ impl Guenter2012Outcome {
         };
         for mark in paper::MARKS {
             let name = mark.column.name();
-            let [time, _] = self.table_1.speedup(Content::Full, mark.column);
+            let [time, _] = self.table_1.speedup(StudyContent::Full, mark.column);
             if let Some(quality) = mark.j.and_then(|j| self.quality.at(j)) {
                 row(
                     format!("{name}: speedup by pixels"),

@@ -125,6 +125,7 @@ mod tests {
             material: 0,
             world_from_object: Similarity::at(DVec3::ZERO),
             two_sided: false,
+            lod: None,
         };
         let sun = Sun {
             direction: DVec3::Y,

@@ -28,7 +28,7 @@ const PARTS: [(&str, Antialiasing); 6] = {
     };
     [
         ("none", none),
-        ("MSAA", Antialiasing { msaa: true, ..none }),
+        ("MSAA", Antialiasing::MSAA),
         (
             "jitter",
             Antialiasing {

@@ -1,9 +1,10 @@
 //! The page: every table and figure, and what differs from the paper and why.
 
+use foveasim_assets::StudyContent;
 use foveasim_reports::{Page, Table};
 
 use super::paper::{INFORMAL_PIXELS, MARKS};
-use super::{Column, Content, Guenter2012Outcome, antialiasing};
+use super::{Column, Guenter2012Outcome, antialiasing};
 use crate::TemporalQuality;
 
 /// Everything in one page that needs nothing else.
@@ -29,7 +30,7 @@ fn answer(page: &mut Page, found: &Guenter2012Outcome) {
         size.x, size.y, found.asked.moments
     ));
     let speedup = |column| {
-        let [ours, paper] = found.table_1.speedup(Content::Full, column);
+        let [ours, paper] = found.table_1.speedup(StudyContent::Full, column);
         (format!("{ours:.1}×"), paper)
     };
     let ((a, paper_a), (b, paper_b)) = (speedup(Column::QualityA), speedup(Column::QualityB));
@@ -68,7 +69,8 @@ fn table_1(page: &mut Page, found: &Guenter2012Outcome) {
         &printed.speedups_as_printed(),
     );
     let cell = |content, column| printed.cell(content, column).times.mean_ms();
-    let share = |column| cell(Content::NoRender, column) / cell(Content::Full, column) * 100.0;
+    let share =
+        |column| cell(StudyContent::NoRender, column) / cell(StudyContent::Full, column) * 100.0;
     page.paragraph(&format!(
         "What differs: a processor has no fixed-function rasterizer, texture unit or blending stage, \
          so putting an image together is not nearly free as on the paper's GPU (0.2 to 0.3 ms of 4.9): \
@@ -102,11 +104,11 @@ fn quality(page: &mut Page, found: &Guenter2012Outcome) {
         "time_over_pixels_paper",
     ]);
     for mark in MARKS {
-        let [time, _] = found.table_1.speedup(Content::Full, mark.column);
+        let [time, _] = found.table_1.speedup(StudyContent::Full, mark.column);
         let row = mark.j.and_then(|j| found.quality.at(j));
         let central = row.map_or(INFORMAL_PIXELS, |r| r.pixels_speedup);
-        let cell = found.table_1.cell(Content::Full, mark.column);
-        let full = found.table_1.cell(Content::Full, Column::Reference);
+        let cell = found.table_1.cell(StudyContent::Full, mark.column);
+        let full = found.table_1.cell(StudyContent::Full, Column::Reference);
         let drawn = full.samples / cell.samples;
         table.push(vec![
             mark.column.name().into(),

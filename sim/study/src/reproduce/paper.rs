@@ -42,7 +42,7 @@ impl Column {
 }
 
 /// Times of Table 1 \[ms\]: rows of less and less content, in the order of
-/// [`CONTENTS`](super::content::CONTENTS); columns as [`COLUMNS`].
+/// [`StudyContent::ALL`](foveasim_assets::StudyContent::ALL); columns as [`COLUMNS`].
 pub(super) const TABLE_1_MS: [[f64; 6]; 6] = [
     [4.5, 4.9, 5.9, 23.6, 27.7, 27.9],
     [2.6, 2.8, 3.2, 6.6, 9.2, 9.6],

@@ -265,7 +265,7 @@ mod tests {
 
     fn flight() -> Flight {
         let viewport = presets::display("lg-w2363d").unwrap().primary().viewport;
-        Flight { viewport, seed: 1 }
+        Flight::new(viewport, 1)
     }
 
     #[test]

@@ -1,12 +1,14 @@
+use std::num::NonZeroU32;
 use std::time::Duration;
 
-use foveasim_assets::{STUDY_FRAMES, Scene, study_camera};
+use foveasim_assets::{STUDY_FRAMES, Scene, StudyGaze, study_camera};
 use foveasim_models::foveation::{Method, Prepared, Request};
 use foveasim_models::math::{mean, quantile_sorted, sum};
 use foveasim_models::{
-    Acuity, Eye, GazeDirection, ModelError, Msaa, Resolve, SamplePlan, View, Viewport, Visibility,
+    Acuity, Cadence, Eye, GazeDirection, ModelError, Msaa, Resolve, SamplePlan, View, Viewport,
+    Visibility,
 };
-use foveasim_render::{Frame, RenderError, RenderOptions, render};
+use foveasim_render::{Frame, RenderOptions, Sequence, TemporalOptions};
 
 use crate::FrameError;
 
@@ -22,10 +24,11 @@ pub struct Antialiasing {
 }
 
 /// Gaze and camera of the fly-through on one display.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub(super) struct Flight {
     pub(super) viewport: Viewport,
     pub(super) seed: u64,
+    gaze: StudyGaze,
 }
 
 /// Draws consecutive frames of the fly-through in one way.
@@ -37,6 +40,9 @@ pub(super) struct Shooter<'a> {
     antialiasing: Antialiasing,
     /// Layers left out, from the inside.
     without: usize,
+    /// Whether nothing is drawn but what the first frame needs.
+    empty: bool,
+    sequence: Sequence,
 }
 
 /// Times of some frames.
@@ -50,10 +56,22 @@ pub struct Times {
 const MSAA_DRAWN: bool = false;
 /// Frames drawn before a moment is timed, so that history and every layer are there.
 const WARM_UP: u32 = 2;
+/// In no frame.
+const NEVER: Cadence = Cadence {
+    every: NonZeroU32::MIN,
+    phase: 1,
+};
 /// Frames timed at each moment: one of each turn of the staggered layers.
 const TIMED: u32 = 2;
 
 impl Antialiasing {
+    /// Only MSAA.
+    pub const MSAA: Self = Self {
+        msaa: true,
+        jitter: false,
+        reproject: false,
+    };
+
     /// All three, as in the paper's user study.
     pub const ALL: Self = Self {
         msaa: true,
@@ -61,22 +79,37 @@ impl Antialiasing {
         reproject: true,
     };
 
-    /// Whether a frame depends on those before it.
-    fn remembers(self) -> bool {
-        self.reproject
+    /// How frames follow one another: layers take turns, as their cadence says.
+    fn temporal(self) -> TemporalOptions {
+        TemporalOptions {
+            jitter: self.jitter,
+            reproject: self.reproject,
+            staggered: true,
+            ..TemporalOptions::default()
+        }
     }
 }
 
 impl Flight {
+    /// The fly-through of the scene of `seed`, seen on `viewport`.
+    pub(super) fn new(viewport: Viewport, seed: u64) -> Self {
+        let gaze = StudyGaze::record(seed);
+        Self {
+            viewport,
+            seed,
+            gaze,
+        }
+    }
+
     /// Where the eye is in `frame`, and what through.
     pub(super) fn view(&self, frame: u32) -> View {
         let t = f64::from(frame) / f64::from(STUDY_FRAMES);
         View::still(Eye::Cyclopean, self.viewport, study_camera(t, self.seed))
     }
 
-    /// Where it looks, in its own frame.
-    pub(super) fn gaze(&self, _frame: u32) -> GazeDirection {
-        GazeDirection::AHEAD
+    /// Where it looks, in its own frame: at the nearest approaching object.
+    pub(super) fn gaze(&self, frame: u32) -> GazeDirection {
+        self.gaze.direction(frame)
     }
 
     /// `method` at an acuity, ready for any gaze.
@@ -92,6 +125,7 @@ impl Flight {
 }
 
 impl<'a> Shooter<'a> {
+    /// Draws all passes of the method, those outside the inner layer in every second frame.
     pub(super) fn new(
         flight: &'a Flight,
         scene: &'a Scene,
@@ -104,6 +138,8 @@ impl<'a> Shooter<'a> {
             method,
             antialiasing,
             without: 0,
+            empty: false,
+            sequence: Sequence::new(antialiasing.temporal()),
         }
     }
 
@@ -111,6 +147,14 @@ impl<'a> Shooter<'a> {
     pub(super) fn without(self, layers: usize) -> Self {
         Self {
             without: layers,
+            ..self
+        }
+    }
+
+    /// The same with nothing drawn after the first frame: what is left is putting images together.
+    pub(super) fn empty(self) -> Self {
+        Self {
+            empty: true,
             ..self
         }
     }
@@ -123,33 +167,43 @@ impl<'a> Shooter<'a> {
             plan.passes.drain(..out);
             feather.edges_tan.drain(..out);
         }
-        if MSAA_DRAWN && self.antialiasing.msaa {
-            for pass in &mut plan.passes {
+        for pass in &mut plan.passes {
+            if MSAA_DRAWN && self.antialiasing.msaa {
                 pass.visibility = Visibility::Own(Msaa::Four);
+            }
+            if self.empty {
+                pass.cadence = NEVER;
             }
         }
         Ok(plan)
     }
 
     /// Forgets the frames before.
-    pub(super) fn cut(&mut self) {}
+    pub(super) fn cut(&mut self) {
+        self.sequence.cut();
+    }
 
-    /// Draws `frame`.
+    /// Draws `frame`, which follows the one drawn last.
     pub(super) fn draw(&mut self, frame: u32) -> Result<Frame, FrameError> {
         let plan = self.plan(frame)?;
         let view = self.flight.view(frame);
-        Ok(self.render(&view, &plan)?)
+        let options = RenderOptions::default();
+        let frame = u64::from(frame);
+        Ok(self
+            .sequence
+            .draw(self.scene, &view, &plan, frame, &options)?)
     }
 
-    fn render(&self, view: &View, plan: &SamplePlan) -> Result<Frame, RenderError> {
-        render(self.scene, view, plan, &RenderOptions::default())
-    }
-
-    /// Whether a frame can only be timed after others.
-    fn needs_warm_up(&self) -> bool {
-        let staggered = |f: &Resolve| matches!(f, Resolve::Feather(_));
-        let plan = self.plan(0);
-        self.antialiasing.remembers() || plan.is_ok_and(|p| staggered(&p.resolve))
+    /// Frames to draw before one can be timed: until every layer and a history are there.
+    fn warm_up(&self) -> u32 {
+        let together =
+            self.antialiasing == Antialiasing::default() || self.antialiasing == Antialiasing::MSAA;
+        let alone = self.plan(0).is_ok_and(|p| p.resolve == Resolve::Direct);
+        if together && alone && !self.empty {
+            0
+        } else {
+            WARM_UP
+        }
     }
 }
 
@@ -174,10 +228,8 @@ pub(super) fn time(
     for &moment in moments {
         for (shooter, times) in shooters.iter_mut().zip(&mut times) {
             shooter.cut();
-            if shooter.needs_warm_up() {
-                for frame in moment - WARM_UP..moment {
-                    shooter.draw(frame)?;
-                }
+            for frame in moment - shooter.warm_up()..moment {
+                shooter.draw(frame)?;
             }
             let mut ms = Vec::new();
             for frame in moment..moment + TIMED {

@@ -2,11 +2,11 @@
 
 use std::time::Duration;
 
+use foveasim_assets::{StudyContent, study_scene_with};
 use foveasim_models::Acuity;
 use foveasim_models::foveation::{Method, Prepared};
 use foveasim_reports::{Cell, Table};
 
-use super::content::{CONTENTS, Content};
 use super::paper::{COLUMNS, Column, TABLE_1_MS};
 use super::shooter::{Antialiasing, Flight, Shooter, Times, time};
 use super::{ReproduceError, layers};
@@ -22,7 +22,7 @@ pub struct Table1 {
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table1Cell {
     /// Its row.
-    pub content: Content,
+    pub content: StudyContent,
     /// Its column.
     pub column: Column,
     /// Samples drawn per frame, staggered layers at their own rate, mean over the moments.
@@ -48,13 +48,7 @@ impl Column {
         let (method, antialiasing) = match self {
             Self::Informal | Self::QualityA | Self::QualityB => (layers()?, Antialiasing::ALL),
             Self::Plain => (Method::Full, Antialiasing::default()),
-            Self::Msaa => {
-                let msaa = Antialiasing {
-                    msaa: true,
-                    ..Antialiasing::default()
-                };
-                (Method::Full, msaa)
-            }
+            Self::Msaa => (Method::Full, Antialiasing::MSAA),
             Self::Reference => (Method::Full, Antialiasing::ALL),
         };
         Ok((flight.prepare(method, acuity)?, antialiasing))
@@ -71,12 +65,16 @@ impl Table1 {
         done: &mut dyn FnMut(),
     ) -> Result<Self, ReproduceError> {
         let mut cells = Vec::new();
-        for (content, paper) in CONTENTS.into_iter().zip(TABLE_1_MS) {
-            let scene = content.scene(flight.seed);
+        for (content, paper) in StudyContent::ALL.into_iter().zip(TABLE_1_MS) {
+            let scene = study_scene_with(flight.seed, content);
             let mut shooters = Vec::new();
             for column in COLUMNS {
                 let (method, antialiasing) = column.draws(flight, informal)?;
-                shooters.push(Shooter::new(flight, &scene, method, antialiasing));
+                let shooter = Shooter::new(flight, &scene, method, antialiasing);
+                shooters.push(match content {
+                    StudyContent::NoRender => shooter.empty(),
+                    _ => shooter,
+                });
             }
             let times = time(&mut shooters, moments, clock, done)?;
             for (k, (column, times)) in COLUMNS.into_iter().zip(times).enumerate() {
@@ -93,14 +91,14 @@ impl Table1 {
     }
 
     /// A cell.
-    pub fn cell(&self, content: Content, column: Column) -> &Table1Cell {
+    pub fn cell(&self, content: StudyContent, column: Column) -> &Table1Cell {
         let is = |c: &&Table1Cell| (c.content, c.column) == (content, column);
         self.cells.iter().find(is).expect("every cell is measured")
     }
 
     /// How many times faster a cell's whole fly-through is than that of N₂ in its row: here, and as
     /// printed.
-    pub fn speedup(&self, content: Content, column: Column) -> [f64; 2] {
+    pub fn speedup(&self, content: StudyContent, column: Column) -> [f64; 2] {
         let (reference, cell) = (
             self.cell(content, Column::Reference),
             self.cell(content, column),
@@ -160,7 +158,7 @@ impl Table1 {
                 .into_iter()
                 .chain(COLUMNS.map(Column::name)),
         );
-        for content in CONTENTS {
+        for content in StudyContent::ALL {
             let values = COLUMNS.map(|column| value(self.cell(content, column)));
             for (k, whose) in ["ours", "paper"].into_iter().enumerate() {
                 let name = if k == 0 {

@@ -57,7 +57,7 @@ fn the_full_columns_draw_every_pixel_and_the_others_fewer() {
         ..small()
     };
     let found = asked.run(&mut ticking(), &|_, _| ()).unwrap();
-    let samples = |column| found.table_1.cell(Content::Full, column).samples;
+    let samples = |column| found.table_1.cell(StudyContent::Full, column).samples;
     assert_eq!(samples(Column::Plain), 480.0 * 270.0);
     assert_eq!(samples(Column::Reference), 480.0 * 270.0);
     assert!(samples(Column::QualityA) < samples(Column::QualityB));

@@ -2,6 +2,7 @@
 
 mod antialiasing;
 mod latency;
+mod line;
 mod page;
 mod paper;
 mod predicted;
@@ -23,7 +24,7 @@ use thiserror::Error;
 pub use latency::{LatencyBars, LatencyRow};
 pub use paper::Column;
 pub use predicted::{Predicted, PredictedRow};
-pub use quality::{QualityRow, QualitySweep};
+pub use quality::{QualityRow, QualitySweep, TimeFit};
 pub use shooter::{Antialiasing, Times};
 pub use table1::{Table1, Table1Cell};
 

@@ -1,11 +1,11 @@
 //! Figs 12 and 13: what layers would save, and cost, on displays as sharp as the fovea.
 
 use foveasim_models::foveation::{LayersSettings, Screen};
-use foveasim_models::math::mean;
 use foveasim_models::{Acuity, ModelError, SLOPE_A, SLOPE_B};
 use foveasim_reports::{LineChart, LineSeries, Table};
 use rayon::prelude::*;
 
+use super::line::Line;
 use super::paper::PREDICTED_ASPECT;
 
 /// The curves of Fig. 12: how many layers, and whether the middle one has the scale 2 of the user
@@ -101,12 +101,7 @@ impl Predicted {
             .filter(|r| r.fov_deg <= LINEAR_TO_DEG)
             .map(|r| [r.fov_deg, r.samples])
             .collect();
-        let column = |k: usize| points.iter().map(|p| p[k]).collect::<Vec<f64>>();
-        let (mx, my) = (mean(&column(0)), mean(&column(1)));
-        let sum = |f: fn(f64, f64) -> f64| points.iter().map(|p| f(p[0] - mx, p[1] - my)).sum();
-        let (xx, xy, yy): (f64, f64, f64) =
-            (sum(|x, _| x * x), sum(|x, y| x * y), sum(|_, y| y * y));
-        xy * xy / (xx * yy)
+        Line::through(&points).r2
     }
 
     /// One row per display, slope and curve.

@@ -8,6 +8,7 @@ use foveasim_models::math::mean;
 use foveasim_models::{Acuity, GazeDirection};
 use foveasim_reports::{LineChart, LineSeries, Table};
 
+use super::line::Line;
 use super::paper::{INFORMAL_PIXELS, MARKS};
 use super::shooter::{Antialiasing, Flight, Shooter, Times, time};
 use super::{ReproduceError, layers};
@@ -49,6 +50,17 @@ pub struct QualitySweep {
     pub rows: Vec<QualityRow>,
     /// Time of full resolution with the same antialiasing \[ms\], mean.
     pub full_ms: f64,
+}
+
+/// Time over samples as a straight line: least squares over all qualities.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct TimeFit {
+    /// Time of a frame without samples \[ms\].
+    pub fixed_ms: f64,
+    /// Time that each sample adds \[ns\].
+    pub per_sample_ns: f64,
+    /// Coefficient of determination.
+    pub r2: f64,
 }
 
 /// P*/P of three layers on the flight's display in closed form, gaze at the centre, staggered.
@@ -124,6 +136,20 @@ impl QualitySweep {
     /// The row of one quality index.
     pub fn at(&self, j: f64) -> Option<&QualityRow> {
         self.rows.iter().find(|r| r.j == j)
+    }
+
+    /// What of the time is fixed, and what each sample costs.
+    pub fn fit(&self) -> TimeFit {
+        let points = self.rows.iter().map(|r| {
+            let samples: f64 = r.layer_samples.iter().sum();
+            [samples, r.total.mean_ms()]
+        });
+        let line = Line::through(&points.collect::<Vec<_>>());
+        TimeFit {
+            fixed_ms: line.at_zero,
+            per_sample_ns: line.slope * 1e6,
+            r2: line.r2,
+        }
     }
 
     /// One row per quality.

@@ -19,40 +19,28 @@ const FIRST: u64 = 1500;
 /// Frames drawn before the judged ones: history has settled by then.
 const WARM_UP: u64 = 16;
 
-/// Every part on and off.
-const PARTS: [(&str, Antialiasing); 6] = {
-    let none = Antialiasing {
-        msaa: false,
-        jitter: false,
-        reproject: false,
+/// Every part on and off, in pictures that draw every layer in every frame; then all parts as the
+/// study had them, middle and outer layer taking turns.
+fn ways() -> [(&'static str, Antialiasing, bool); 7] {
+    let parts = |msaa, jitter, reproject| Antialiasing {
+        msaa,
+        jitter,
+        reproject,
     };
     [
-        ("none", none),
-        ("MSAA", Antialiasing::MSAA),
+        ("none", parts(false, false, false), false),
+        ("MSAA", parts(true, false, false), false),
+        ("jitter", parts(false, true, false), false),
+        ("reprojection", parts(false, false, true), false),
+        ("jitter + reprojection", parts(false, true, true), false),
         (
-            "jitter",
-            Antialiasing {
-                jitter: true,
-                ..none
-            },
+            "MSAA + jitter + reprojection",
+            parts(true, true, true),
+            false,
         ),
-        (
-            "reprojection",
-            Antialiasing {
-                reproject: true,
-                ..none
-            },
-        ),
-        (
-            "jitter + reprojection",
-            Antialiasing {
-                msaa: false,
-                ..Antialiasing::ALL
-            },
-        ),
-        ("MSAA + jitter + reprojection", Antialiasing::ALL),
+        ("all three, layers taking turns", Antialiasing::ALL, true),
     ]
-};
+}
 
 /// Draws `frames` consecutive frames by layers at quality A with each part on and off, and judges them
 /// against 8 × 8 samples to the pixel. `done` hears of every frame.
@@ -72,13 +60,18 @@ pub(super) fn antialiasing(
         frames: range,
         warm_up: WARM_UP,
     };
-    let source = |(name, parts): (&str, Antialiasing)| {
-        let mut shooter = Shooter::new(flight, scene, method.clone(), parts);
+    let source = |(name, parts, turns): (&str, Antialiasing, bool)| {
+        let shooter = Shooter::new(flight, scene, method.clone(), parts);
+        let mut shooter = if turns {
+            shooter
+        } else {
+            shooter.in_every_frame()
+        };
         let draw: FrameSource<'_, ReproduceError> =
             Box::new(move |frame| Ok(shooter.draw(frame as u32)?.image));
         (name.to_owned(), draw)
     };
-    let mut sources = PARTS.map(source);
+    let mut sources = ways().map(source);
     let options = RenderOptions::default();
     let mut reference = |frame: u64| {
         let view = flight.view(frame as u32);

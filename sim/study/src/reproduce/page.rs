@@ -224,7 +224,9 @@ fn flicker(page: &mut Page, found: &Guenter2012Outcome) {
          against a reference of {n} × {n} samples to the pixel. Flicker is the standard deviation over \
          the frames of a pixel's error in luma (sRGB, of 255), so what is merely blurred does not count; \
          excess change is by how much more than its reference a pixel changes from one frame to the \
-         next, below zero where it lags. The paper shows this in a video and gives no numbers.",
+         next, below zero where it lags. Every layer is drawn in every frame, but for the last way, where \
+         middle and outer layer take turns and so lag by a frame half the time. The paper shows this in \
+         a video and gives no numbers.",
         found.asked.antialiasing_frames,
         size.x,
         size.y,

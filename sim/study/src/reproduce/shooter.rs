@@ -79,12 +79,12 @@ impl Antialiasing {
         reproject: true,
     };
 
-    /// How frames follow one another: layers take turns, as their cadence says.
-    fn temporal(self) -> TemporalOptions {
+    /// How frames follow one another: whether layers take turns, as their cadence says.
+    fn temporal(self, staggered: bool) -> TemporalOptions {
         TemporalOptions {
             jitter: self.jitter,
             reproject: self.reproject,
-            staggered: true,
+            staggered,
             ..TemporalOptions::default()
         }
     }
@@ -139,7 +139,7 @@ impl<'a> Shooter<'a> {
             antialiasing,
             without: 0,
             empty: false,
-            sequence: Sequence::new(antialiasing.temporal()),
+            sequence: Sequence::new(antialiasing.temporal(true)),
         }
     }
 
@@ -147,6 +147,14 @@ impl<'a> Shooter<'a> {
     pub(super) fn without(self, layers: usize) -> Self {
         Self {
             without: layers,
+            ..self
+        }
+    }
+
+    /// The same with every layer drawn in every frame.
+    pub(super) fn in_every_frame(self) -> Self {
+        Self {
+            sequence: Sequence::new(self.antialiasing.temporal(false)),
             ..self
         }
     }

@@ -36,7 +36,7 @@ fn everything_is_there_and_depends_on_nothing_but_the_clock() {
         assert!((cell.times.total_ms() - 6.0).abs() < 1e-9);
     }
     assert_eq!(found.quality.rows.len(), 19);
-    assert_eq!(found.antialiasing.len(), 6);
+    assert_eq!(found.antialiasing.len(), 7);
     let names: Vec<String> = found.files().unwrap().into_iter().map(|f| f.0).collect();
     for name in [
         "table1.csv",

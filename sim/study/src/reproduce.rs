@@ -15,7 +15,7 @@ use std::time::Duration;
 use foveasim_assets::{StudyContent, study_scene};
 use foveasim_models::foveation::Method;
 use foveasim_models::{Acuity, Geometry, ModelError, Viewport, presets};
-use foveasim_quality::QualityError;
+use foveasim_quality::{QualityError, WINDOW};
 use foveasim_render::RenderError;
 use foveasim_reports::{ReportError, Table};
 use glam::UVec2;
@@ -146,6 +146,16 @@ impl Guenter2012 {
         check("moments", self.moments, 1..=1000, "from 1 to 1000")?;
         let frames = self.antialiasing_frames;
         check("antialiasing frames", frames, 0..=1000, "from 0 to 1000")?;
+        if frames > 0 {
+            let side = self.antialiasing_size.min_element();
+            let valid = "at least 11 pixels: the window of SSIM";
+            check(
+                "side of antialiasing frames",
+                side,
+                WINDOW..=u32::MAX,
+                valid,
+            )?;
+        }
         let flight = self.flight(self.size)?;
         let judged = self.flight(self.antialiasing_size)?;
         let moments = shooter::moments(self.moments);

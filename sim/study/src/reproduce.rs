@@ -7,6 +7,7 @@ mod page;
 mod paper;
 mod predicted;
 mod quality;
+mod quality_charts;
 mod shooter;
 mod table1;
 
@@ -172,7 +173,7 @@ impl Guenter2012 {
 
         let scene = study_scene(self.seed);
         let full = &table_1.cell(StudyContent::Full, Column::Reference).times;
-        let cells = (quality::INDICES.count() * 3 * moments.len()) as f64;
+        let cells = (quality::INDICES.count() * quality::SHOOTERS * moments.len()) as f64;
         let mut step = stepper(progress, "Figs 10 and 11", [0.4, 0.75], cells);
         let quality = QualitySweep::measure(&flight, &scene, full, &moments, clock, &mut step)?;
 

@@ -147,8 +147,9 @@ fn quality(page: &mut Page, found: &Guenter2012Outcome) {
     let [pixels, times] = found.quality.layer_charts();
     page.svg("", &pixels.svg());
     page.svg(
-        "A layer's time is what it adds to the layers around it; the outer one's includes putting the \
-         image together. Each layer at its own rate.",
+        "A layer's time is that of frames in which it alone is drawn, less putting the image together; \
+         each layer at its own rate. Vertices that layers share when they are drawn in the same frame \
+         count for each, so the parts may add up to more than S.",
         &times.svg(),
     );
     let rows = &found.quality.rows;
@@ -158,8 +159,8 @@ fn quality(page: &mut Page, found: &Guenter2012Outcome) {
             "From j = {} to {} the shares of inner, middle and outer layer in the time go from {:.0}, \
              {:.0} and {:.0} % to {:.0}, {:.0} and {:.0} %. In the paper the outer layer dominates at \
              low quality, the inner one's cost rises fastest, and the three are well balanced at 12 to \
-             15. The outer layer sees all of the scene's geometry whatever its resolution, and here it \
-             bears the reconstruction of every display pixel as well.",
+             15. The outer layer sees all of the scene's geometry whatever its resolution. Putting the \
+             image together takes {:.0} % at j = {}.",
             first.j,
             last.j,
             share(first, 0),
@@ -168,6 +169,8 @@ fn quality(page: &mut Page, found: &Guenter2012Outcome) {
             share(last, 0),
             share(last, 1),
             share(last, 2),
+            100.0 * first.together_ms / first.total.mean_ms(),
+            first.j,
         ));
     }
 }

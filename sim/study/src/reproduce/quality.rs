@@ -6,18 +6,18 @@ use foveasim_assets::Scene;
 use foveasim_models::foveation::Screen;
 use foveasim_models::math::mean;
 use foveasim_models::{Acuity, GazeDirection};
-use foveasim_reports::{LineChart, LineSeries, Table};
+use foveasim_reports::Table;
 
 use super::line::Line;
 use super::paper::{INFORMAL_PIXELS, MARKS};
-use super::shooter::{Antialiasing, Flight, Shooter, Times, time};
+use super::shooter::{Antialiasing, Due, Flight, Shooter, Times, layer_of, time};
 use super::{ReproduceError, layers};
 
 /// Quality indices of Figs 10 and 11: coarsest to finest.
 pub(super) const INDICES: std::ops::RangeInclusive<u32> = 4..=22;
 
-/// Layers that are told apart, from the inside.
-const LAYERS: [&str; 3] = ["inner", "middle", "outer"];
+/// Ways in which layers are drawn at each quality: in turns, not at all, and each of them alone.
+pub(super) const SHOOTERS: usize = 5;
 
 /// Layers at one foveation quality.
 #[derive(Debug, Clone, PartialEq)]
@@ -38,9 +38,11 @@ pub struct QualityRow {
     pub layer_samples: [f64; 3],
     /// All layers together.
     pub total: Times,
-    /// Time that each layer adds to those around it \[ms\]; the outer one's includes putting the image
-    /// together.
+    /// Time of inner, middle and outer layer per frame, each at its own rate: what drawing that one
+    /// alone takes beyond putting the image together \[ms\].
     pub layer_ms: [f64; 3],
+    /// Time of putting the image together \[ms\].
+    pub together_ms: f64,
 }
 
 /// Figs 10 and 11.
@@ -88,7 +90,7 @@ pub(super) fn informal_index(flight: &Flight) -> Result<f64, ReproduceError> {
 }
 
 impl QualitySweep {
-    /// Draws and times layers at every quality. `done` hears of each quality's moments, three times.
+    /// Draws and times layers at every quality. `done` hears of each quality's moments, [`SHOOTERS`] times.
     pub(super) fn measure(
         flight: &Flight,
         scene: &Scene,
@@ -103,15 +105,17 @@ impl QualitySweep {
         let rows = INDICES.map(|j| {
             let acuity = Acuity::from_quality_index(f64::from(j))?;
             let method = flight.prepare(layers()?, acuity)?;
-            let shooter = |without| {
-                Shooter::new(flight, scene, method.clone(), Antialiasing::ALL).without(without)
-            };
-            let mut shooters = [0, 1, 2].map(shooter);
-            let layer_samples = shooters[0].layer_samples(moments)?;
+            let shooter =
+                |due| Shooter::new(flight, scene, method.clone(), Antialiasing::ALL).due(due);
+            let only = [0, 1, 2].map(Due::Only);
+            let [inner, middle, outer] = only.map(shooter);
+            let [all, none] = [Due::Planned, Due::Nothing].map(shooter);
+            let mut shooters: [_; SHOOTERS] = [all, none, inner, middle, outer];
             let times = time(&mut shooters, moments, clock, done)?;
-            let [total, outer_two, outer] = [0, 1, 2].map(|k| times[k].mean_ms());
-            // A layer that the design does without adds nothing but noise.
-            let adds = |layer: usize, ms: f64| if layer_samples[layer] > 0.0 { ms } else { 0.0 };
+            let [total, together] = [0, 1].map(|k| times[k].mean_ms());
+            let (turns, layer_samples) = shooters[0].layers(moments)?;
+            // Drawn alone in every frame: what it takes beyond putting together, at its own rate.
+            let layer_ms = [0, 1, 2].map(|k| (times[2 + k].mean_ms() - together) * turns[k]);
             Ok(QualityRow {
                 j: f64::from(j),
                 slope: acuity.slope(),
@@ -119,11 +123,8 @@ impl QualitySweep {
                 drawn_speedup: pixels / layer_samples.iter().sum::<f64>(),
                 time_speedup: full_ms / total,
                 layer_samples,
-                layer_ms: [
-                    adds(0, total - outer_two),
-                    adds(1, outer_two - outer),
-                    outer,
-                ],
+                layer_ms,
+                together_ms: together,
                 total: times[0].clone(),
             })
         });
@@ -169,6 +170,7 @@ impl QualitySweep {
             "inner_ms",
             "middle_ms",
             "outer_ms",
+            "together_ms",
             "total_mean_ms",
             "total_median_ms",
         ]);
@@ -186,100 +188,34 @@ impl QualitySweep {
             row.extend(r.layer_samples.map(Into::into));
             row.push(r.layer_samples.iter().sum::<f64>().into());
             row.extend(r.layer_ms.map(Into::into));
+            row.push(r.together_ms.into());
             row.extend([r.total.mean_ms().into(), r.total.median_ms().into()]);
             table.push(row);
         }
         table
     }
-
-    /// Fig. 10: speedup by pixels and by time, with the paper's marked points; `informal` is the index
-    /// at which its column I stands here.
-    pub fn speedup_chart(&self, informal: f64) -> LineChart {
-        let curve = |label: &str, value: fn(&QualityRow) -> f64| LineSeries {
-            label: label.into(),
-            points: self.rows.iter().map(|r| [r.j, value(r)]).collect(),
-        };
-        let mut marks: Vec<_> = MARKS
-            .iter()
-            .map(|m| (m.j.unwrap_or(informal), m.pixels, m.time))
-            .collect();
-        marks.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let paper = |label: &str, value: fn(&(f64, f64, f64)) -> f64| LineSeries {
-            label: label.into(),
-            points: marks.iter().map(|m| [m.0, value(m)]).collect(),
-        };
-        LineChart {
-            title: "Fig. 10: speedup over foveation quality".into(),
-            x_label: "quality index j".into(),
-            y_label: "times".into(),
-            series: vec![
-                curve("pixels, gaze at the centre", |r| r.pixels_speedup),
-                curve("pixels drawn in the fly-through", |r| r.drawn_speedup),
-                curve("time", |r| r.time_speedup),
-                paper("pixels, paper (I, A, B)", |m| m.1),
-                paper("time, paper (I, A, B)", |m| m.2),
-            ],
-            ..LineChart::default()
-        }
-    }
-
-    /// Fig. 11: pixels per frame, and time per frame, of all layers together (S) and of each.
-    pub fn layer_charts(&self) -> [LineChart; 2] {
-        let chart = |title: &str,
-                     y: &str,
-                     all: fn(&QualityRow) -> f64,
-                     one: fn(&QualityRow, usize) -> f64| {
-            let series = |label: &str, value: &dyn Fn(&QualityRow) -> f64| LineSeries {
-                label: label.into(),
-                points: self.rows.iter().map(|r| [r.j, value(r)]).collect(),
-            };
-            let mut lines = vec![series("S", &all)];
-            for (k, name) in LAYERS.into_iter().enumerate() {
-                lines.push(series(name, &|r| one(r, k)));
-            }
-            LineChart {
-                title: title.into(),
-                x_label: "quality index j".into(),
-                y_label: y.into(),
-                series: lines,
-                ..LineChart::default()
-            }
-        };
-        [
-            chart(
-                "Fig. 11: pixels shaded, by layer",
-                "thousand pixels per frame",
-                |r| r.layer_samples.iter().sum::<f64>() / 1e3,
-                |r, k| r.layer_samples[k] / 1e3,
-            ),
-            chart(
-                "Fig. 11: render time, by layer",
-                "ms per frame",
-                |r| r.total.mean_ms(),
-                |r, k| r.layer_ms[k],
-            ),
-        ]
-    }
 }
 
 impl Shooter<'_> {
-    /// Samples per frame of inner, middle and outer layer, each at its own rate: means over the
-    /// moments.
-    fn layer_samples(&self, moments: &[u32]) -> Result<[f64; 3], ReproduceError> {
-        let mut all = [const { Vec::new() }; 3];
+    /// Of inner, middle and outer layer: how often one is drawn per frame, and samples per frame at that
+    /// rate; means over the moments, zero for a layer that the design does without.
+    fn layers(&self, moments: &[u32]) -> Result<([f64; 3], [f64; 3]), ReproduceError> {
+        let mut turns = [const { Vec::new() }; 3];
+        let mut samples = [const { Vec::new() }; 3];
         for &moment in moments {
             let passes = self.plan(moment)?.count().passes;
-            let mut here = [0.0; 3];
+            let (mut drawn, mut taken) = ([0.0; 3], [0.0; 3]);
             for (k, pass) in passes.iter().enumerate() {
-                // The outermost layer is the outer one, however many there are.
-                let layer = if k + 1 == passes.len() { 2 } else { k.min(1) };
-                here[layer] += pass.samples as f64 / f64::from(pass.every);
+                let layer = layer_of(k, passes.len());
+                drawn[layer] += 1.0 / f64::from(pass.every);
+                taken[layer] += pass.samples as f64 / f64::from(pass.every);
             }
-            for (all, here) in all.iter_mut().zip(here) {
-                all.push(here);
+            for layer in 0..3 {
+                turns[layer].push(drawn[layer]);
+                samples[layer].push(taken[layer]);
             }
         }
-        Ok(all.map(|layer| mean(&layer)))
+        Ok((turns.map(|t| mean(&t)), samples.map(|s| mean(&s))))
     }
 }
 

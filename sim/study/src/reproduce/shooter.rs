@@ -38,11 +38,19 @@ pub(super) struct Shooter<'a> {
     scene: &'a Scene,
     method: Prepared,
     antialiasing: Antialiasing,
-    /// Layers left out, from the inside.
-    without: usize,
-    /// Whether nothing is drawn but what the first frame needs.
-    empty: bool,
+    due: Due,
     sequence: Sequence,
+}
+
+/// Which layers are drawn once all have been.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Due {
+    /// Those whose turn it is.
+    Planned,
+    /// One of inner (0), middle (1) and outer (2), in every frame.
+    Only(usize),
+    /// None: what is left is putting images together.
+    Nothing,
 }
 
 /// Times of some frames.
@@ -52,8 +60,6 @@ pub struct Times {
     pub frame_ms: Vec<f64>,
 }
 
-/// TEMP
-const MSAA_DRAWN: bool = false;
 /// Frames drawn before a moment is timed, so that history and every layer are there.
 const WARM_UP: u32 = 2;
 /// In no frame.
@@ -137,17 +143,8 @@ impl<'a> Shooter<'a> {
             scene,
             method,
             antialiasing,
-            without: 0,
-            empty: false,
+            due: Due::Planned,
             sequence: Sequence::new(antialiasing.temporal(true)),
-        }
-    }
-
-    /// The same without its innermost `layers` (the outermost always stays).
-    pub(super) fn without(self, layers: usize) -> Self {
-        Self {
-            without: layers,
-            ..self
         }
     }
 
@@ -159,29 +156,24 @@ impl<'a> Shooter<'a> {
         }
     }
 
-    /// The same with nothing drawn after the first frame: what is left is putting images together.
-    pub(super) fn empty(self) -> Self {
-        Self {
-            empty: true,
-            ..self
-        }
+    /// The same with other layers due.
+    pub(super) fn due(self, due: Due) -> Self {
+        Self { due, ..self }
     }
 
     /// What is drawn in `frame`.
     pub(super) fn plan(&self, frame: u32) -> Result<SamplePlan, ModelError> {
         let mut plan = self.method.plan(self.flight.gaze(frame))?;
-        if let Resolve::Feather(feather) = &mut plan.resolve {
-            let out = self.without.min(plan.passes.len() - 1);
-            plan.passes.drain(..out);
-            feather.edges_tan.drain(..out);
-        }
-        for pass in &mut plan.passes {
-            if MSAA_DRAWN && self.antialiasing.msaa {
+        let count = plan.passes.len();
+        for (k, pass) in plan.passes.iter_mut().enumerate() {
+            if self.antialiasing.msaa {
                 pass.visibility = Visibility::Own(Msaa::Four);
             }
-            if self.empty {
-                pass.cadence = NEVER;
-            }
+            pass.cadence = match self.due {
+                Due::Planned => pass.cadence,
+                Due::Only(layer) if layer == layer_of(k, count) => Cadence::EVERY_FRAME,
+                Due::Only(_) | Due::Nothing => NEVER,
+            };
         }
         Ok(plan)
     }
@@ -207,12 +199,18 @@ impl<'a> Shooter<'a> {
         let together =
             self.antialiasing == Antialiasing::default() || self.antialiasing == Antialiasing::MSAA;
         let alone = self.plan(0).is_ok_and(|p| p.resolve == Resolve::Direct);
-        if together && alone && !self.empty {
+        if together && alone && self.due == Due::Planned {
             0
         } else {
             WARM_UP
         }
     }
+}
+
+/// Inner (0), middle (1) or outer (2) for pass `k` of `count`: the outermost is the outer one, however
+/// many there are.
+pub(super) fn layer_of(k: usize, count: usize) -> usize {
+    if k + 1 == count { 2 } else { k.min(1) }
 }
 
 /// `count` moments spread evenly over the fly-through, at even frames.

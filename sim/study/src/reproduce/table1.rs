@@ -8,7 +8,7 @@ use foveasim_models::foveation::{Method, Prepared};
 use foveasim_reports::{Cell, Table};
 
 use super::paper::{COLUMNS, Column, TABLE_1_MS};
-use super::shooter::{Antialiasing, Flight, Shooter, Times, time};
+use super::shooter::{Antialiasing, Due, Flight, Shooter, Times, time};
 use super::{ReproduceError, layers};
 
 /// Table 1, measured here.
@@ -72,7 +72,7 @@ impl Table1 {
                 let (method, antialiasing) = column.draws(flight, informal)?;
                 let shooter = Shooter::new(flight, &scene, method, antialiasing);
                 shooters.push(match content {
-                    StudyContent::NoRender => shooter.empty(),
+                    StudyContent::NoRender => shooter.due(Due::Nothing),
                     _ => shooter,
                 });
             }

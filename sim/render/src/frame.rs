@@ -52,8 +52,8 @@ pub fn render(
     check(view, plan, options)?;
     let (mut passes, mut pass_work) = (Vec::new(), Vec::new());
     for p in &plan.passes {
-        let (image, work) = pass::draw(scene, view, p, options);
-        passes.push(image);
+        let (samples, work) = pass::draw(scene, view, p, options, false);
+        passes.push(samples.image);
         pass_work.push(work);
     }
     let (image, passes, resolve_work) = resolve::resolve(view, plan, passes, options);
@@ -212,10 +212,15 @@ fn check_pass(pass: &Pass, view: &View) -> Result<(), String> {
         }
         other => return Err(format!("cannot draw a map of kind {other:?}")),
     }
+    if !(pass.offset.abs().max_element() <= 0.5 && pass.offset.is_finite()) {
+        let offset = pass.offset;
+        return Err(format!(
+            "offset {offset}: each part must be from -0.5 to 0.5 lattice steps"
+        ));
+    }
     if pass.visibility != Visibility::Own(Msaa::One)
         || pass.shading != Shading::PerSample
         || pass.region != Region::All
-        || pass.offset != glam::DVec2::ZERO
     {
         return Err("can only draw visibility and shading once per sample".into());
     }

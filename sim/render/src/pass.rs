@@ -40,6 +40,7 @@ pub fn visibility(
             why,
         });
     };
+    let pass = &shifted(pass);
     let drawing = Drawing::new(scene, view, pass, options);
     let size = drawing.projection.size;
     let mut surfels = vec![None; size.x as usize * size.y as usize];
@@ -71,19 +72,39 @@ pub fn visibility(
     Ok(surfels)
 }
 
-/// Draws a pass: the colour of each of its samples, and the work it took.
+/// The drawn samples of a pass, row by row.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct PassSamples {
+    /// Colours.
+    pub(crate) image: Image,
+    /// 1/w of what is seen [1/m], 0 for the sky; empty unless geometry is kept.
+    pub(crate) inverse_w: Vec<f32>,
+    /// Index of the instance that is seen, `u32::MAX` for the sky; empty unless geometry is kept.
+    pub(crate) instance: Vec<u32>,
+}
+
+/// Draws a pass: what each of its samples sees, and the work it took.
 pub(crate) fn draw(
     scene: &Scene,
     view: &View,
     pass: &Pass,
     options: &RenderOptions,
-) -> (Image, Work) {
+    keep_geometry: bool,
+) -> (PassSamples, Work) {
     let Lattice::Grid(size) = pass.lattice else {
         unreachable!("only grids pass the checks")
     };
+    let pass = &shifted(pass);
     let mut image = Image::filled(size, [0.0; 3]);
+    let kept = image.rgb.len() * usize::from(keep_geometry);
+    let (mut inverse_w, mut instance) = (vec![0.0; kept], vec![u32::MAX; kept]);
     if size.x == 0 || size.y == 0 {
-        return (image, Work::default());
+        let samples = PassSamples {
+            image,
+            inverse_w,
+            instance,
+        };
+        return (samples, Work::default());
     }
     let drawing = Drawing::new(scene, view, pass, options);
     let context = ShadeContext::new(scene, view.poses[0], &drawing.projection);
@@ -91,7 +112,9 @@ pub(crate) fn draw(
     work.passes = 1;
 
     // Each tile gets its own part of every image row it crosses.
-    let mut jobs: Vec<_> = tiles(size).map(|place| (place, Vec::new())).collect();
+    let mut jobs: Vec<_> = tiles(size)
+        .map(|place| (place, Vec::new(), Vec::new()))
+        .collect();
     let across = size.x.div_ceil(TILE) as usize;
     for (y, row) in image.rgb.chunks_mut(size.x as usize).enumerate() {
         let first = y / TILE as usize * across;
@@ -99,17 +122,48 @@ pub(crate) fn draw(
             jobs[first + x].1.push(part);
         }
     }
+    let geometry_rows = inverse_w
+        .chunks_mut(size.x as usize)
+        .zip(instance.chunks_mut(size.x as usize));
+    for (y, (depths, instances)) in geometry_rows.enumerate() {
+        let first = y / TILE as usize * across;
+        let parts = depths.chunks_mut(TILE as usize);
+        for (x, part) in parts.zip(instances.chunks_mut(TILE as usize)).enumerate() {
+            jobs[first + x].2.push(part);
+        }
+    }
     let works: Vec<Work> = jobs
         .into_par_iter()
-        .map_init(Scratch::new, |scratch, ((x, y), mut rows)| {
+        .map_init(Scratch::new, |scratch, ((x, y), mut rows, mut geometry)| {
             let tile = SampleTile::of(pass, x, y);
-            drawing.draw_tile(&context, &tile, drawing.bins.tile(x, y), &mut rows, scratch)
+            let bin = drawing.bins.tile(x, y);
+            let work = drawing.draw_tile(&context, &tile, bin, &mut rows, scratch);
+            drawing.copy_geometry(bin, &scratch.buffers, &mut geometry);
+            work
         })
         .collect();
     for tile in works {
         work += tile;
     }
-    (image, work)
+    let samples = PassSamples {
+        image,
+        inverse_w,
+        instance,
+    };
+    (samples, work)
+}
+
+/// The pass with its offset taken into its map.
+fn shifted(pass: &Pass) -> Pass {
+    let Map::Affine(mut map) = pass.map else {
+        unreachable!("only affine grids pass the checks")
+    };
+    map.origin += map.scale * pass.offset;
+    Pass {
+        map: Map::Affine(map),
+        offset: glam::DVec2::ZERO,
+        ..pass.clone()
+    }
 }
 
 /// Column and row of each tile, row by row.
@@ -228,6 +282,26 @@ impl<'a> Drawing<'a> {
             dispatch(self.options.simd, kernel);
         }
         work
+    }
+
+    /// Writes 1/w and instance of a tile's samples to the rows it was given.
+    fn copy_geometry(
+        &self,
+        bin: &[TriangleRef],
+        buffers: &TileBuffers,
+        rows: &mut [(&mut [f32], &mut [u32])],
+    ) {
+        for index in 0..if rows.is_empty() { 0 } else { TILE_SAMPLES } {
+            let ([x, y], slot) = (position_of(index), buffers.slot[index]);
+            let Some((depths, instances)) = rows.get_mut(y as usize) else {
+                continue;
+            };
+            if slot != 0 && (x as usize) < depths.len() {
+                let drawn = bin[slot as usize - 1].get(&self.lists).drawn;
+                depths[x as usize] = buffers.depth[index];
+                instances[x as usize] = self.geometry.drawn[drawn as usize].instance;
+            }
+        }
     }
 
     /// Orders the tile's samples by material (a stable counting sort), and prepares the attributes of

@@ -39,8 +39,9 @@ impl Extremes {
     pub(super) fn find<const N: usize>(&mut self, above: &[f32], row: &[f32], below: &[f32]) {
         let n = row.len();
         for column in [&mut self.column_least, &mut self.column_greatest] {
-            column.clear();
             column.resize(n + 2 * N, f32::NAN);
+            column[..N].fill(f32::NAN);
+            column[N + n..].fill(f32::NAN);
         }
         let (above, below) = (&above[..n], &below[..n]);
         let low = &mut self.column_least[N..N + n];

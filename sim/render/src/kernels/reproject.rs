@@ -125,6 +125,65 @@ struct Places {
     inside: u32,
 }
 
+/// What the samples around a place remember of a surface, each times its weight.
+struct Found {
+    /// Differences from the new colour.
+    difference: [f32; 3],
+    length: f32,
+    weight: f32,
+}
+
+impl Found {
+    const NOTHING: Self = Self {
+        difference: [0.0; 3],
+        length: 0.0,
+        weight: 0.0,
+    };
+
+    #[inline(always)]
+    fn add(&mut self, weight: f32, past: &Past, colour: [f32; 3], inverse_w: f32, new: [f32; 3]) {
+        // A weight of nothing adds nothing, not even a neighbour's infinity.
+        if weight > 0.0 && past.length > 0.0 && (inverse_w - past.inverse_w).abs() <= past.reach {
+            self.weight += weight;
+            self.length += weight * past.length;
+            for c in 0..3 {
+                self.difference[c] += weight * (colour[c] - new[c]);
+            }
+        }
+    }
+}
+
+impl Places {
+    /// Asks the four samples around the place of `lane`.
+    #[inline(always)]
+    fn find(&self, lane: usize, before: Before<'_>, new: [f32; 3]) -> Found {
+        let (column, row) = (self.column[lane], self.row[lane]);
+        let (fx, fy) = (self.share[0][lane], self.share[1][lane]);
+        let inverse_w = self.inverse_w[lane];
+        let [across, down] = before.size.to_array();
+        let stride = across as usize;
+        let mut found = Found::NOTHING;
+        for (row, wy) in [(row, 1.0 - fy), (row + 1, fy)] {
+            // Negative ones wrap beyond any lattice.
+            if row as u32 >= down {
+                continue;
+            }
+            let first = row as usize * stride;
+            let past = &before.past[first..first + stride];
+            let rgb = &before.rgb[first..first + stride];
+            for (column, wx) in [(column, 1.0 - fx), (column + 1, fx)] {
+                if let (Some(past), Some(&colour)) = (
+                    past.get(column as u32 as usize),
+                    rgb.get(column as u32 as usize),
+                ) {
+                    found.add(wx * wy, past, colour, inverse_w, new);
+                }
+            }
+        }
+        found
+    }
+}
+
 /// The warps of eight samples, entry by entry.
 struct Gathered<S: Simd>([F<S>; 12]);
 
@@ -278,7 +337,6 @@ impl ReprojectRow<'_> {
         work: &mut Work,
     ) {
         let places = warp.places(simd, self, start, before.size);
-        let last = [before.size.x as i32 - 1, before.size.y as i32 - 1];
         for lane in 0..(self.width - start).min(8) {
             let x = start + lane;
             let new = self.new_row()[x];
@@ -287,40 +345,18 @@ impl ReprojectRow<'_> {
                 continue;
             }
             work.samples_reprojected += 1;
-            let mut sum = [0.0; 3];
-            let (mut total, mut length) = (0.0, 0.0);
-            if places.inside & (1 << lane) != 0 {
-                let (column, row) = (places.column[lane], places.row[lane]);
-                let (fx, fy) = (places.share[0][lane], places.share[1][lane]);
-                let columns = [(column, 1.0 - fx), (column + 1, fx)];
-                for (row, wy) in [(row, 1.0 - fy), (row + 1, fy)] {
-                    for (column, wx) in columns {
-                        let outside = column < 0 || column > last[0] || row < 0 || row > last[1];
-                        let weight = wx * wy;
-                        if outside || weight == 0.0 {
-                            continue;
-                        }
-                        let index = row as usize * before.size.x as usize + column as usize;
-                        let past = before.past[index];
-                        let apart = (places.inverse_w[lane] - past.inverse_w).abs();
-                        if past.length > 0.0 && apart <= past.reach {
-                            let colour = before.rgb[index];
-                            total += weight;
-                            length += weight * past.length;
-                            for c in 0..3 {
-                                sum[c] += weight * (colour[c] - new[c]);
-                            }
-                        }
-                    }
-                }
-            }
-            if total < LEAST_WEIGHT {
+            let found = match places.inside & (1 << lane) {
+                0 => Found::NOTHING,
+                _ => places.find(lane, before, new),
+            };
+            if found.weight < LEAST_WEIGHT {
                 work.history_rejected += 1;
                 self.put(x, new, new, 0.0);
                 continue;
             }
             // Differences are averaged, so that equal colours give that very colour.
-            let mut old: [f32; 3] = std::array::from_fn(|c| new[c] + sum[c] / total);
+            let share = 1.0 / found.weight;
+            let mut old: [f32; 3] = std::array::from_fn(|c| new[c] + found.difference[c] * share);
             if clamp {
                 let mut clamped = false;
                 for (c, old) in old.iter_mut().enumerate() {
@@ -333,7 +369,7 @@ impl ReprojectRow<'_> {
                 }
                 work.history_clamped += u64::from(clamped);
             }
-            self.put(x, new, old, length / total);
+            self.put(x, new, old, found.length * share);
         }
     }
 }

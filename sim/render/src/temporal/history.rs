@@ -2,6 +2,7 @@ use std::sync::Arc;
 
 use foveasim_assets::{Scene, Similarity, Sun};
 use foveasim_models::{Image, Pass, View};
+use glam::UVec2;
 
 use crate::kernels::{Before, Past};
 
@@ -18,6 +19,26 @@ pub(super) struct History {
     pub(super) image: Image,
     /// What is known of each sample; empty without reprojection.
     pub(super) past: Vec<Past>,
+    /// Memory for the next image.
+    pub(super) spare: Spare,
+}
+
+/// Memory of images that are no longer needed.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Spare {
+    pub(super) rgb: Vec<[f32; 3]>,
+    pub(super) past: Vec<Past>,
+}
+
+impl Spare {
+    /// Room for an image of `size`, whatever is in it.
+    pub(super) fn take(self, size: UVec2) -> (Image, Vec<Past>) {
+        let Self { mut rgb, mut past } = self;
+        let samples = size.x as usize * size.y as usize;
+        rgb.resize(samples, [0.0; 3]);
+        past.resize(samples, Past::default());
+        (Image { size, rgb }, past)
+    }
 }
 
 impl History {

@@ -4,7 +4,7 @@ use foveasim_assets::Scene;
 use foveasim_models::{Image, Pass, SamplePlan, View, Work};
 use glam::{DVec2, UVec2};
 
-use super::history::{History, Placed};
+use super::history::{History, Placed, Spare};
 use super::reproject::reproject;
 use super::{TemporalOptions, jitter};
 use crate::pass::{self, PassSamples};
@@ -147,8 +147,7 @@ impl Sequence {
         };
         let now = (middle, *view, Arc::clone(placed));
         if self.options.reproject {
-            let (history, blending) =
-                reproject(samples, now, before.as_ref(), &self.options, options.simd);
+            let (history, blending) = reproject(samples, now, before, &self.options, options.simd);
             work += blending;
             return (history, work);
         }
@@ -160,6 +159,7 @@ impl Sequence {
             placed,
             image,
             past: Vec::new(),
+            spare: Spare::default(),
         };
         (history, work)
     }

@@ -1,6 +1,7 @@
 use crate::RenderError;
 
-/// What frames take from the ones before them. Each part can be used without the others.
+/// What frames take from the ones before them. Each part can be used without the others; a clamp and a
+/// blend mean nothing without reprojection.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct TemporalOptions {
     /// Whether samples move within their cells from frame to frame. It replaces the plan's offsets.
@@ -10,8 +11,10 @@ pub struct TemporalOptions {
     pub reproject: bool,
     /// Whether passes are drawn only in the frames of their cadence.
     pub staggered: bool,
-    /// Largest weight of the history, 0 to 0.99. Up to it every frame that was seen counts alike:
-    /// the weight is n/(n+1) after n frames.
+    /// Largest weight of a history that had to be found again, 0 to 0.99. Up to it every frame that was
+    /// seen counts alike: the weight is n/(n+1) after n frames. Finding interpolates, so a long history
+    /// is steady but soft. One that stays in its place is not: there, 64 frames count alike (none, if
+    /// this is 0).
     pub blend: f32,
     /// What is done with a history that does not look like the sample's surroundings.
     pub clamp: Clamp,
@@ -34,17 +37,20 @@ pub enum Clamp {
 }
 
 impl Default for TemporalOptions {
-    /// Jitter and reprojection with at most nine tenths of history, clamped; every pass in every frame.
+    /// Jitter and reprojection with at most four fifths of found history, clamped; every pass in every frame.
     fn default() -> Self {
         Self {
             jitter: true,
             reproject: true,
             staggered: false,
-            blend: 0.9,
+            blend: 0.8,
             clamp: Clamp::Neighbourhood,
         }
     }
 }
+
+/// Most frames before the present one that count where nothing moves: with it, four periods of jitter.
+const LONGEST_IN_PLACE: f32 = 63.0;
 
 impl TemporalOptions {
     /// Each frame by itself.
@@ -68,7 +74,11 @@ impl TemporalOptions {
     }
 
     /// Most frames that a history counts for: n/(n+1) is then the largest weight.
-    pub(super) fn longest(&self) -> f32 {
-        self.blend / (1.0 - self.blend)
+    pub(super) fn longest(&self, in_place: bool) -> f32 {
+        if in_place && self.blend > 0.0 {
+            LONGEST_IN_PLACE
+        } else {
+            self.blend / (1.0 - self.blend)
+        }
     }
 }

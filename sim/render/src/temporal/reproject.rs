@@ -49,6 +49,7 @@ pub(super) fn reproject(
             clamp: options.clamp == Clamp::Neighbourhood,
         },
     };
+    let longest = options.longest(matches!(source, Source::InPlace(_)));
     let width = size.x.max(1) as usize;
     let works: Vec<Work> = image
         .rgb
@@ -63,7 +64,7 @@ pub(super) fn reproject(
                 inverse_w: &samples.inverse_w,
                 instance: &samples.instance,
                 source,
-                longest: options.longest(),
+                longest,
                 scratch,
                 out,
                 out_past,
@@ -203,74 +204,5 @@ mod tests {
             (third.image.at(0, 3)[0], third.image.at(6, 3)[0]),
             (3.0, 2.0)
         );
-    }
-
-    #[test]
-    fn tmp_timing() {
-        let size = UVec2::new(1920, 1080);
-        let optics = Viewport::symmetric(size, 0.43).expect("a viewport");
-        let plan = SamplePlan::full(Eye::Cyclopean, size);
-        let placed = placed();
-        for (name, step, clamp) in [
-            ("clamp", 0.01, Clamp::Neighbourhood),
-            ("off", 0.01, Clamp::Off),
-            ("still", 0.0, Clamp::Off),
-        ] {
-            for simd in [Simd::Auto, Simd::Scalar] {
-                let options = TemporalOptions {
-                    clamp,
-                    ..TemporalOptions::default()
-                };
-                let mut before = None;
-                let mut best = f64::MAX;
-                let mut alloc = f64::MAX;
-                for k in 0..8 {
-                    let eye = Pose::new(
-                        DVec3::new(step * f64::from(k), 0.0, 0.0),
-                        Pose::IDENTITY.orientation,
-                    );
-                    let view = View::still(Eye::Cyclopean, optics, eye);
-                    let s = samples(size, |x, y| ((x * 7 + y * 13 + k) % 31) as f32);
-                    let t = std::time::Instant::now();
-                    let v = vec![[0.1f32; 6]; 1920 * 1080];
-                    alloc = alloc.min(t.elapsed().as_secs_f64());
-                    drop(v);
-                    let pool = rayon::ThreadPoolBuilder::new()
-                        .num_threads(1)
-                        .build()
-                        .unwrap();
-                    let (h, t) = pool.install(|| {
-                        let cpu = || {
-                            std::fs::read_to_string("/proc/thread-self/schedstat")
-                                .unwrap()
-                                .split(' ')
-                                .next()
-                                .unwrap()
-                                .parse::<f64>()
-                                .unwrap()
-                                * 1e-9
-                        };
-                        let t = cpu();
-                        let (h, _) = reproject(
-                            s,
-                            (plan.passes[0].clone(), view, Arc::clone(&placed)),
-                            before.take(),
-                            &options,
-                            simd,
-                        );
-                        (h, cpu() - t)
-                    });
-                    if k > 0 {
-                        best = best.min(t);
-                    }
-                    before = Some(h);
-                }
-                eprintln!(
-                    "{name} {simd:?}: {:.2} ns/sample (filling 24 B {:.2})",
-                    best / 2073600.0 * 1e9,
-                    alloc / 2073600.0 * 1e9
-                );
-            }
-        }
     }
 }

@@ -4,6 +4,7 @@ mod dispatch;
 mod extremes;
 pub(crate) mod lanes;
 mod noise;
+mod place;
 mod reproject;
 mod shade;
 mod sky;

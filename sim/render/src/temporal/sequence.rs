@@ -71,7 +71,8 @@ impl Sequence {
     /// which passes are due; numbers that grow by one from call to call give every pass its cadence.
     ///
     /// A pass that is not due is shown as it was drawn last: where it lay on the display then, whatever
-    /// view and gaze are now (Guenter 2012, §4.1). It is blended by the present gaze.
+    /// view and gaze are now (Guenter 2012, §4.1). It is blended by the present gaze; where that has left
+    /// the pass's old place, the pass's edge is seen until it is due.
     ///
     /// The [passes](Frame::passes) of the frame, if they are kept, are those that are shown, blended
     /// with their history.

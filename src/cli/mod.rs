@@ -9,6 +9,7 @@ mod plan;
 mod presets;
 mod render;
 mod replay;
+mod reproduce;
 mod run;
 mod scene;
 mod trace;
@@ -44,6 +45,7 @@ enum Command {
     Latency(latency::Args),
     Replay(replay::Args),
     Render(render::Args),
+    Reproduce(reproduce::Args),
     Trace(trace::Args),
     Presets(presets::Args),
     Init(init::Args),
@@ -61,6 +63,7 @@ pub fn main() -> ExitCode {
         Command::Latency(args) => latency::run(args, &ctx),
         Command::Replay(args) => replay::run(args, &ctx),
         Command::Render(args) => render::run(args, &ctx),
+        Command::Reproduce(args) => reproduce::run(args, &ctx),
         Command::Trace(args) => trace::run(args, &ctx),
         Command::Presets(args) => presets::run(args, &ctx),
         Command::Init(args) => init::run(args, &ctx),

@@ -5,4 +5,5 @@ mod determinism;
 mod plan_and_latency;
 mod real_recordings;
 mod report;
+mod reproduce;
 mod scratch;

@@ -65,4 +65,7 @@ pub enum QualityError {
         /// The images' size.
         images: UVec2,
     },
+    /// No frame was given.
+    #[error("flicker of no frames: at least one must be given")]
+    NoFrames,
 }

@@ -1,7 +1,8 @@
 //! How close a picture is to its reference: SSIM, PSNR and brightness bias, over the whole image and
-//! by ring of eccentricity.
+//! by ring of eccentricity; and how much of the difference flickers from frame to frame.
 //!
-//! [`compare()`] does all of it for two rendered images; [`ssim()`] and [`mse`] work on raw [`Plane`]s.
+//! [`compare()`] does all of it for two rendered images; [`ssim()`] and [`mse`] work on raw [`Plane`]s;
+//! [`Flicker`] takes a sequence of them frame by frame.
 //! Everything is measured on 8-bit sRGB code values (peak 255), as the image-quality literature does,
 //! and everything is a pure function: no result depends on the number of threads.
 //!
@@ -12,6 +13,7 @@
 
 mod compare;
 mod error;
+mod flicker;
 mod plane;
 mod psnr;
 mod rings;
@@ -19,6 +21,7 @@ mod ssim;
 
 pub use compare::{Comparison, Measures, compare};
 pub use error::QualityError;
+pub use flicker::{Flicker, FlickerMap, RingFlicker};
 pub use plane::Plane;
 pub use psnr::{PEAK, mse, psnr_db};
 pub use rings::{RingQuality, Rings};

@@ -1,5 +1,5 @@
 use foveasim_models::{Viewport, math};
-use glam::{DVec2, DVec3};
+use glam::{DVec2, DVec3, UVec2};
 use rayon::prelude::*;
 
 use crate::{Comparison, QualityError, psnr_db};
@@ -25,6 +25,13 @@ pub struct RingQuality {
     pub ssim: Option<f64>,
     /// Mean luma of the image minus that of the reference \[grey levels of 255\]: brighter is positive.
     pub bias: Option<f64>,
+}
+
+/// The rings on an image plane.
+pub(crate) struct Places {
+    viewport: Viewport,
+    gaze: DVec3,
+    cosines: Vec<f64>,
 }
 
 /// Sums over some pixels of a ring.
@@ -65,6 +72,56 @@ impl Rings {
     pub fn edges_deg(&self) -> &[f64] {
         &self.edges_deg
     }
+
+    /// Where the rings lie in images of `size` pixels seen on `viewport`.
+    ///
+    /// # Errors
+    /// If the viewport does not have the images' pixels, or the gaze is no direction.
+    pub(crate) fn places(
+        &self,
+        viewport: &Viewport,
+        gaze: DVec3,
+        size: UVec2,
+    ) -> Result<Places, QualityError> {
+        if viewport.size != size {
+            return Err(QualityError::ViewportDiffers {
+                viewport: viewport.size,
+                images: size,
+            });
+        }
+        let length = gaze.length();
+        if !(length.is_finite() && length > 0.0) {
+            return Err(QualityError::Gaze {
+                gaze: gaze.to_array(),
+            });
+        }
+        let cosine = |&e: &f64| math::cos(math::to_rad(e));
+        Ok(Places {
+            viewport: *viewport,
+            gaze: gaze / length,
+            cosines: self.edges_deg.iter().map(cosine).collect(),
+        })
+    }
+}
+
+impl Places {
+    /// How many rings.
+    pub(crate) fn count(&self) -> usize {
+        self.cosines.len()
+    }
+
+    /// The ring of each pixel of row `y`, by its centre; `None` inside the innermost edge.
+    pub(crate) fn of_row(&self, y: u32) -> impl Iterator<Item = Option<usize>> + '_ {
+        (0..self.viewport.size.x).map(move |x| {
+            let centre = DVec2::new(f64::from(x) + 0.5, f64::from(y) + 0.5);
+            let d = self.viewport.direction(centre);
+            // Rounding may lift the cosine of the pixel straight ahead above one.
+            let cosine = (d.dot(self.gaze) / math::sqrt(d.dot(d))).min(1.0);
+            // A pixel is at or outside an edge exactly when its cosine is at or below the edge's.
+            let inside = self.cosines.iter().take_while(|&&c| cosine <= c).count();
+            inside.checked_sub(1)
+        })
+    }
 }
 
 impl Comparison {
@@ -80,42 +137,18 @@ impl Comparison {
         rings: &Rings,
     ) -> Result<Vec<RingQuality>, QualityError> {
         let size = self.image.size();
-        if viewport.size != size {
-            return Err(QualityError::ViewportDiffers {
-                viewport: viewport.size,
-                images: size,
-            });
-        }
-        let length = gaze.length();
-        if !(length.is_finite() && length > 0.0) {
-            return Err(QualityError::Gaze {
-                gaze: gaze.to_array(),
-            });
-        }
-        let gaze = gaze / length;
-        // A pixel is at or outside an edge exactly when its cosine is at or below the edge's.
-        let cosines: Vec<f64> = rings
-            .edges_deg
-            .iter()
-            .map(|&e| math::cos(math::to_rad(e)))
-            .collect();
+        let places = rings.places(viewport, gaze, size)?;
         let row_sums = |y: u32| {
-            let mut sums = vec![Sums::default(); cosines.len()];
+            let mut sums = vec![Sums::default(); places.count()];
             let at = y as usize;
             let (image, reference) = (self.image.row(at), self.reference.row(at));
-            for (x, (&ssim, (&i, &r))) in self
-                .ssim_map
-                .row(at)
-                .iter()
-                .zip(image.iter().zip(reference))
-                .enumerate()
-            {
-                let centre = DVec2::new(x as f64 + 0.5, f64::from(y) + 0.5);
-                let d = viewport.direction(centre);
-                // Rounding may lift the cosine of the pixel straight ahead above one.
-                let cosine = (d.dot(gaze) / math::sqrt(d.dot(d))).min(1.0);
-                let inside = cosines.iter().take_while(|&&c| cosine <= c).count();
-                if let Some(ring) = inside.checked_sub(1) {
+            for (ring, (&ssim, (&i, &r))) in places.of_row(y).zip(
+                self.ssim_map
+                    .row(at)
+                    .iter()
+                    .zip(image.iter().zip(reference)),
+            ) {
+                if let Some(ring) = ring {
                     let s = &mut sums[ring];
                     s.pixels += 1;
                     s.squares += (i - r) * (i - r);
@@ -141,6 +174,6 @@ impl Comparison {
                 bias: mean(|s| s.bias),
             }
         };
-        Ok((0..cosines.len()).map(ring).collect())
+        Ok((0..places.count()).map(ring).collect())
     }
 }

@@ -4,6 +4,8 @@
 //! * [`LatencyStudy`]: gaze-to-photon time, simulated and bounded;
 //! * [`replay()`]: a recording, frame by displayed frame;
 //! * [`FrameStudy`]: one frame by any method beside its reference;
+//! * [`TemporalStudy`]: consecutive frames beside a [`supersampled`] reference: what flickers;
+//! * [`Guenter2012`]: a paper's tables and figures, ours beside theirs;
 //! * [`Scenario`] and [`run()`]: all of it, in one report.
 
 mod frame;
@@ -11,9 +13,12 @@ mod latency;
 mod numbers;
 mod recording;
 mod replay;
+mod reproduce;
 mod run;
 mod scenario;
+mod supersample;
 mod sweep;
+mod temporal;
 
 pub use frame::{FrameError, FrameOutcome, FrameStudy, Shot};
 pub use latency::{
@@ -26,11 +31,17 @@ pub use replay::{
     Difference, GazeState, Golden, REPLAY_COLUMNS, Replay, ReplayError, ReplayFrame, ReplayOptions,
     ReplaySummary, Spread, replay,
 };
+pub use reproduce::{
+    Antialiasing, Column, Guenter2012, Guenter2012Outcome, LatencyBars, LatencyRow, Predicted,
+    PredictedRow, QualityRow, QualitySweep, ReproduceError, Table1, Table1Cell, TimeFit, Times,
+};
 pub use run::{MOMENT_PICTURES, MethodSaving, Moment, PlanCost, Run, RunError, Savings, run};
 pub use scenario::{
     GazeSource, MapGrid, RenderTime, Scenario, ScenarioError, ScenarioSpec, cost, display,
     read_text, tracker,
 };
+pub use supersample::supersampled;
 pub use sweep::{
     DensityAt, Drawn, GazeAt, Resolution, SWEEP_COLUMNS, Sweep, SweepDisplay, SweepEye, SweepRow,
 };
+pub use temporal::{FrameSource, TemporalQuality, TemporalRing, TemporalStudy};

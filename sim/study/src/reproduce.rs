@@ -1,0 +1,326 @@
+//! A paper's tables and figures, ours beside theirs: Guenter et al., *Foveated 3D Graphics*, 2012.
+
+mod antialiasing;
+mod latency;
+mod line;
+mod page;
+mod paper;
+mod predicted;
+mod quality;
+mod shooter;
+mod table1;
+
+use std::time::Duration;
+
+use foveasim_assets::{StudyContent, study_scene};
+use foveasim_models::foveation::Method;
+use foveasim_models::{Acuity, Geometry, ModelError, Viewport, presets};
+use foveasim_quality::{QualityError, WINDOW};
+use foveasim_render::RenderError;
+use foveasim_reports::{ReportError, Table};
+use glam::UVec2;
+use thiserror::Error;
+
+pub use latency::{LatencyBars, LatencyRow};
+pub use paper::Column;
+pub use predicted::{Predicted, PredictedRow};
+pub use quality::{QualityRow, QualitySweep, TimeFit};
+pub use shooter::{Antialiasing, Times};
+pub use table1::{Table1, Table1Cell};
+
+use crate::{FrameError, LatencyError, TemporalQuality};
+use paper::COLUMNS;
+use shooter::Flight;
+
+/// Guenter et al. 2012 reproduced: what is measured, and how much of it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Guenter2012 {
+    /// Pixels of the image; the field of view stays that of the study's display.
+    pub size: UVec2,
+    /// Moments of the fly-through at which each time is measured.
+    pub moments: u32,
+    /// Consecutive frames on which antialiasing is judged; 0 leaves that out.
+    pub antialiasing_frames: u32,
+    /// Pixels of the images on which antialiasing is judged.
+    pub antialiasing_size: UVec2,
+    /// Seed of the scene.
+    pub seed: u64,
+}
+
+/// Why a paper could not be reproduced.
+#[derive(Debug, Error)]
+#[non_exhaustive]
+pub enum ReproduceError {
+    /// A number outside what can be measured.
+    #[error("{field} = {value}: must be {valid}")]
+    OutOfRange {
+        /// What.
+        field: &'static str,
+        /// The value given.
+        value: u32,
+        /// What would be valid.
+        valid: &'static str,
+    },
+    /// A model refuses a number.
+    #[error(transparent)]
+    Model(#[from] ModelError),
+    /// A frame cannot be planned or drawn.
+    #[error(transparent)]
+    Frame(#[from] FrameError),
+    /// A frame cannot be drawn.
+    #[error(transparent)]
+    Render(#[from] RenderError),
+    /// Images cannot be compared.
+    #[error(transparent)]
+    Quality(#[from] QualityError),
+    /// Latency cannot be bounded.
+    #[error(transparent)]
+    Latency(#[from] LatencyError),
+    /// The report cannot be made.
+    #[error(transparent)]
+    Report(#[from] ReportError),
+}
+
+/// What a [`Guenter2012`] found.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Guenter2012Outcome {
+    /// What was asked.
+    pub asked: Guenter2012,
+    /// Table 1.
+    pub table_1: Table1,
+    /// Figs 10 and 11.
+    pub quality: QualitySweep,
+    /// Figs 12 and 13.
+    pub predicted: Predicted,
+    /// Fig. 5.
+    pub latency: LatencyBars,
+    /// §4.2: flicker and likeness with each part of the antialiasing on and off.
+    pub antialiasing: Vec<TemporalQuality>,
+    /// The quality index that column I stands for here: where layers save 15 times the pixels.
+    pub informal_index: f64,
+}
+
+impl Default for Guenter2012 {
+    /// The study's 1920 × 1080 pixels at 16 moments; antialiasing on 12 frames of half that size.
+    fn default() -> Self {
+        Self {
+            size: UVec2::new(1920, 1080),
+            moments: 16,
+            antialiasing_frames: 12,
+            antialiasing_size: UVec2::new(960, 540),
+            seed: 1,
+        }
+    }
+}
+
+/// The method of the paper's measurements: three layers, all radii optimised.
+fn layers() -> Result<Method, ModelError> {
+    "layers:3".parse()
+}
+
+impl Guenter2012 {
+    /// Everything there is to see, within seconds: small pictures of one moment. Its times mean
+    /// little.
+    pub fn quick() -> Self {
+        Self {
+            size: UVec2::new(256, 144),
+            moments: 1,
+            antialiasing_frames: 3,
+            antialiasing_size: UVec2::new(64, 36),
+            ..Self::default()
+        }
+    }
+
+    /// Measures and computes everything. `clock` tells the time since some moment of its own;
+    /// `progress` hears what is being done, and how much of all is done (0 to 1).
+    ///
+    /// Times depend on the machine; all else depends on nothing but what is asked.
+    ///
+    /// # Errors
+    /// If there are no moments or too many, or the image cannot be drawn.
+    pub fn run(
+        &self,
+        clock: &mut dyn FnMut() -> Duration,
+        progress: &dyn Fn(&str, f64),
+    ) -> Result<Guenter2012Outcome, ReproduceError> {
+        check("moments", self.moments, 1..=1000, "from 1 to 1000")?;
+        let frames = self.antialiasing_frames;
+        check("antialiasing frames", frames, 0..=1000, "from 0 to 1000")?;
+        if frames > 0 {
+            let side = self.antialiasing_size.min_element();
+            let valid = "at least 11 pixels: the window of SSIM";
+            check(
+                "side of antialiasing frames",
+                side,
+                WINDOW..=u32::MAX,
+                valid,
+            )?;
+        }
+        let flight = self.flight(self.size)?;
+        let judged = self.flight(self.antialiasing_size)?;
+        let moments = shooter::moments(self.moments);
+
+        progress("predicting", 0.0);
+        let predicted = Predicted::new()?;
+        let latency = LatencyBars::new()?;
+        let informal_index = quality::informal_index(&flight)?;
+        let informal = Acuity::from_quality_index(informal_index)?;
+
+        let cells = (StudyContent::ALL.len() * COLUMNS.len() * moments.len()) as f64;
+        let mut step = stepper(progress, "Table 1", [0.02, 0.4], cells);
+        let table_1 = Table1::measure(&flight, informal, &moments, clock, &mut step)?;
+
+        let scene = study_scene(self.seed);
+        let full = &table_1.cell(StudyContent::Full, Column::Reference).times;
+        let cells = (quality::INDICES.count() * 3 * moments.len()) as f64;
+        let mut step = stepper(progress, "Figs 10 and 11", [0.4, 0.75], cells);
+        let quality = QualitySweep::measure(&flight, &scene, full, &moments, clock, &mut step)?;
+
+        let mut step = stepper(progress, "antialiasing", [0.75, 1.0], f64::from(frames));
+        let antialiasing = match frames {
+            0 => Vec::new(),
+            _ => antialiasing::antialiasing(&judged, &scene, frames, &mut step)?,
+        };
+        Ok(Guenter2012Outcome {
+            asked: *self,
+            table_1,
+            quality,
+            predicted,
+            latency,
+            antialiasing,
+            informal_index,
+        })
+    }
+
+    /// The fly-through on the study's display with `size` pixels.
+    fn flight(&self, size: UVec2) -> Result<Flight, ReproduceError> {
+        let display = presets::display("lg-w2363d")?;
+        debug_assert!(matches!(display.geometry, Geometry::Planar { .. }));
+        let [_, right, ..] = display.primary().viewport.tan;
+        let viewport = Viewport::symmetric(size, right)?;
+        Ok(Flight::new(viewport, self.seed))
+    }
+}
+
+fn check(
+    field: &'static str,
+    value: u32,
+    range: std::ops::RangeInclusive<u32>,
+    valid: &'static str,
+) -> Result<(), ReproduceError> {
+    if range.contains(&value) {
+        return Ok(());
+    }
+    Err(ReproduceError::OutOfRange {
+        field,
+        value,
+        valid,
+    })
+}
+
+/// Tells `progress` of `steps` equal steps from one share of the whole to another.
+fn stepper<'a>(
+    progress: &'a dyn Fn(&str, f64),
+    what: &'static str,
+    [from, to]: [f64; 2],
+    steps: f64,
+) -> impl FnMut() + 'a {
+    let mut taken = 0.0;
+    progress(what, from);
+    move || {
+        taken += 1.0;
+        progress(what, from + (to - from) * taken / steps);
+    }
+}
+
+impl Guenter2012Outcome {
+    /// Ours beside the paper's in a few numbers, for the terminal.
+    pub fn summary(&self) -> Table {
+        let mut table = Table::new(["quantity", "ours", "paper"]);
+        let mut row = |name: String, ours: f64, paper: f64| {
+            table.push(vec![name.into(), ours.into(), paper.into()]);
+        };
+        for mark in paper::MARKS {
+            let name = mark.column.name();
+            let [time, _] = self.table_1.speedup(StudyContent::Full, mark.column);
+            if let Some(quality) = mark.j.and_then(|j| self.quality.at(j)) {
+                row(
+                    format!("{name}: speedup by pixels"),
+                    quality.pixels_speedup,
+                    mark.pixels,
+                );
+            }
+            row(format!("{name}: speedup by time"), time, mark.time);
+        }
+        if let Some(at) = self.predicted.at("A", "n = 4", 70.0) {
+            row(
+                "predicted at 70 degrees, foveal sharpness".into(),
+                at.speedup(),
+                100.0,
+            );
+        }
+        if let Some(total) = self.latency.rows.last() {
+            row(
+                "latency, best [ms]".into(),
+                total.ours_ms[0],
+                total.paper_ms[0],
+            );
+            row(
+                "latency, worst [ms]".into(),
+                total.ours_ms[1],
+                total.paper_ms[1],
+            );
+        }
+        table
+    }
+
+    /// All files of the reproduction: tables as CSV, charts as SVG, and one page with both.
+    ///
+    /// # Errors
+    /// If the page cannot be made.
+    pub fn files(&self) -> Result<Vec<(String, Vec<u8>)>, ReproduceError> {
+        let mut files: Vec<(String, Vec<u8>)> = Vec::new();
+        let mut add = |name: &str, text: String| files.push((name.to_owned(), text.into_bytes()));
+        add("table1.csv", self.table_1.table().csv());
+        add("fig5.csv", self.latency.table().csv());
+        add("fig10-11.csv", self.quality.table().csv());
+        add("fig12-13.csv", self.predicted.table().csv());
+        if !self.antialiasing.is_empty() {
+            let table = TemporalQuality::table(&self.antialiasing);
+            add("antialiasing.csv", table.csv());
+        }
+        for (name, svg) in self.charts() {
+            add(&format!("{name}.svg"), svg);
+        }
+        add("report.html", page::page(self));
+        Ok(files)
+    }
+
+    /// Every chart by the name of its file.
+    fn charts(&self) -> Vec<(&'static str, String)> {
+        let [pixels, times] = self.quality.layer_charts();
+        let [full, foveated] = self.predicted.cost_charts();
+        let mut charts = vec![
+            ("fig5", self.latency.chart().svg()),
+            (
+                "fig10",
+                self.quality.speedup_chart(self.informal_index).svg(),
+            ),
+            ("fig11-pixels", pixels.svg()),
+            ("fig11-time", times.svg()),
+            ("fig12-a", self.predicted.speedup_chart("A").svg()),
+            ("fig12-b", self.predicted.speedup_chart("B").svg()),
+            ("fig13-a", full.svg()),
+            ("fig13-b", foveated.svg()),
+        ];
+        if !self.antialiasing.is_empty() {
+            let [flicker, likeness] = TemporalQuality::charts(&self.antialiasing);
+            charts.push(("antialiasing-flicker", flicker.svg()));
+            charts.push(("antialiasing-ssim", likeness.svg()));
+        }
+        charts
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,92 @@
+use std::time::Instant;
+
+use foveasim_models::unknown_name;
+use foveasim_study::Guenter2012;
+
+use super::context::Format;
+use super::{Context, Failure, options};
+
+/// Reproduce a paper's tables and figures, ours beside theirs.
+///
+/// Writes each table as CSV, each figure as SVG, and report.html with all of them and what differs.
+/// Times are measured on this machine: leave it alone meanwhile.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  foveasim reproduce guenter2012 --out guenter2012
+  foveasim reproduce guenter2012 --quick --out quick
+  foveasim reproduce guenter2012 --frames 48 --antialiasing-frames 0 --out times-only")]
+pub(crate) struct Args {
+    /// The paper: guenter2012 (Foveated 3D Graphics)
+    #[arg(value_name = "PAPER")]
+    paper: String,
+    /// Moments of the fly-through at which each time is measured
+    #[arg(long, value_name = "N", conflicts_with = "quick")]
+    frames: Option<u32>,
+    /// Pixels of the image; the field of view is that of the study's display
+    #[arg(long, value_name = "WxH", value_parser = options::size, conflicts_with = "quick")]
+    size: Option<[u32; 2]>,
+    /// Consecutive frames on which antialiasing is judged against 8 x 8 samples to the pixel; 0 for none
+    #[arg(long, value_name = "N", conflicts_with = "quick")]
+    antialiasing_frames: Option<u32>,
+    /// Pixels of those frames
+    #[arg(long, value_name = "WxH", value_parser = options::size, conflicts_with = "quick")]
+    antialiasing_size: Option<[u32; 2]>,
+    /// Small pictures of few moments: seconds instead of minutes, and times that mean little
+    #[arg(long)]
+    quick: bool,
+}
+
+pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
+    if args.paper != "guenter2012" {
+        return Err(unknown_name("paper", &args.paper, &["guenter2012"]).into());
+    }
+    let asked = asked(args, ctx);
+    // An unwritable folder is found before the work, not after.
+    let mut outputs = ctx.outputs("out")?;
+    let bar = ctx.progress(1000, "starting");
+    let began = Instant::now();
+    let found = asked.run(&mut || began.elapsed(), &|what, done| {
+        bar.set_message(what.to_owned());
+        bar.set_position((done * 1000.0) as u64);
+    })?;
+    for (name, bytes) in found.files()? {
+        outputs.add(name, bytes);
+    }
+    bar.finish_and_clear();
+    if found.antialiasing.is_empty() {
+        // An earlier run's must not stand beside a report that does not speak of them.
+        for name in [
+            "antialiasing.csv",
+            "antialiasing-flicker.svg",
+            "antialiasing-ssim.svg",
+        ] {
+            outputs.retire(name);
+        }
+    }
+    let report = outputs.path("report.html");
+    outputs.commit()?;
+    ctx.print_table(&found.summary())?;
+    if ctx.format == Format::Table {
+        ctx.print(&format!("\nreport  {}\n", report.display()))?;
+    }
+    Ok(())
+}
+
+fn asked(args: &Args, ctx: &Context) -> Guenter2012 {
+    let default = if args.quick {
+        Guenter2012::quick()
+    } else {
+        Guenter2012::default()
+    };
+    Guenter2012 {
+        size: args.size.map_or(default.size, Into::into),
+        moments: args.frames.unwrap_or(default.moments),
+        antialiasing_frames: args
+            .antialiasing_frames
+            .unwrap_or(default.antialiasing_frames),
+        antialiasing_size: args
+            .antialiasing_size
+            .map_or(default.antialiasing_size, Into::into),
+        seed: ctx.seed,
+    }
+}

@@ -1,0 +1,92 @@
+//! A paper's tables and figures beside ours.
+
+use crate::scratch::{Scratch, number, rows};
+
+#[test]
+fn guenter_2012_in_small() {
+    let scratch = Scratch::new();
+    let out = scratch.ok(&["reproduce", "guenter2012", "--quick", "--out", "g"]);
+    assert!(out.contains("g/report.html"), "says where it is: {out}");
+    let names = scratch.names("g");
+    for name in [
+        "antialiasing-flicker.svg",
+        "antialiasing-ssim.svg",
+        "antialiasing.csv",
+        "fig10-11.csv",
+        "fig10.svg",
+        "fig11-pixels.svg",
+        "fig11-time.svg",
+        "fig12-13.csv",
+        "fig12-a.svg",
+        "fig12-b.svg",
+        "fig13-a.svg",
+        "fig13-b.svg",
+        "fig5.csv",
+        "fig5.svg",
+        "report.html",
+        "table1.csv",
+    ] {
+        assert!(names.iter().any(|n| n == name), "{name} in {names:?}");
+    }
+    let html = scratch.read("g/report.html");
+    for part in [
+        "Table 1", "Fig. 5", "Fig. 10", "Fig. 11", "Fig. 12", "Fig. 13",
+    ] {
+        assert!(html.contains(part), "{part}");
+    }
+
+    let table = rows(&scratch.read("g/table1.csv"));
+    assert_eq!(table.len(), 36);
+    for cell in &table {
+        let name = format!("{} {}", cell["content"], cell["column"]);
+        assert!(number(cell, "median_ms") > 0.0, "{name}");
+        assert!(number(cell, "speedup_over_N2") > 0.0, "{name}");
+    }
+    let cell = |content: &str, column: &str| {
+        let mut found = table.iter();
+        found
+            .find(|r| r["content"] == content && r["column"] == column)
+            .expect("every cell")
+    };
+    assert_eq!(number(cell("Full", "N2"), "speedup_over_N2"), 1.0);
+    assert_eq!(number(cell("Full", "Q_A"), "paper_ms"), 4.9);
+    assert_eq!(
+        number(cell("No Render", "N0"), "samples_per_frame"),
+        256.0 * 144.0
+    );
+
+    // The closed forms do not depend on how small the pictures are.
+    let predicted = rows(&scratch.read("g/fig12-13.csv"));
+    let at_70 = predicted
+        .iter()
+        .find(|r| r["fov_deg"] == "70" && r["slope"] == "A" && r["curve"] == "n = 4")
+        .expect("70 degrees");
+    assert!((number(at_70, "speedup") - 103.0).abs() < 0.1);
+    let latency = rows(&scratch.read("g/fig5.csv"));
+    assert!((number(&latency[4], "worst_ms") - 40.97).abs() < 0.01);
+    assert_eq!(rows(&scratch.read("g/fig10-11.csv")).len(), 19);
+    // Seven ways, each as a whole and in six rings.
+    assert_eq!(rows(&scratch.read("g/antialiasing.csv")).len(), 7 * 7);
+}
+
+#[test]
+fn what_cannot_be_reproduced_is_said() {
+    let scratch = Scratch::new();
+    for (words, expect) in [
+        (vec!["guenter2013"], "did you mean `guenter2012`?"),
+        (vec!["guenter2012", "--frames", "0"], "from 1 to 1000"),
+        (vec!["guenter2012", "--frames", "-3"], "--frames"),
+        (vec!["guenter2012", "--size", "0x9"], "WIDTHxHEIGHT"),
+        (vec!["guenter2012", "--quick", "--frames", "3"], "--quick"),
+        (
+            vec!["guenter2012", "--antialiasing-frames", "5000"],
+            "from 0 to 1000",
+        ),
+    ] {
+        let words: Vec<&str> = ["reproduce"].into_iter().chain(words).collect();
+        let ran = scratch.run(&words);
+        assert_eq!(ran.code, 2, "{words:?}: {}", ran.out);
+        assert!(ran.err.contains(expect), "{words:?}: {}", ran.err);
+        assert_eq!(ran.err.lines().count(), 1, "{words:?}: {}", ran.err);
+    }
+}

@@ -42,11 +42,21 @@ pub struct Work {
     pub pixels_resolved: u64,
     /// Pass samples read while reconstructing (four per bilinear fetch).
     pub resolve_fetches: u64,
+    /// Passes whose last image was shown again, because their cadence left this frame out.
+    pub passes_not_due: u64,
+    /// Samples blended with the history of their own place: nothing had moved since.
+    pub samples_in_place: u64,
+    /// Samples whose place in the history was found by their motion.
+    pub samples_reprojected: u64,
+    /// … of which without any history that shows the same surface.
+    pub history_rejected: u64,
+    /// … of which with a history pulled into the range of colours around them.
+    pub history_clamped: u64,
 }
 
 impl Work {
     /// Names and values, in a fixed order, for tables.
-    pub fn rows(&self) -> [(&'static str, u64); 18] {
+    pub fn rows(&self) -> [(&'static str, u64); 23] {
         [
             ("passes", self.passes),
             ("vertices", self.vertices),
@@ -66,6 +76,11 @@ impl Work {
             ("samples_with_edge", self.samples_with_edge),
             ("pixels_resolved", self.pixels_resolved),
             ("resolve_fetches", self.resolve_fetches),
+            ("passes_not_due", self.passes_not_due),
+            ("samples_in_place", self.samples_in_place),
+            ("samples_reprojected", self.samples_reprojected),
+            ("history_rejected", self.history_rejected),
+            ("history_clamped", self.history_clamped),
         ]
     }
 
@@ -95,5 +110,10 @@ impl AddAssign for Work {
         self.samples_with_edge += o.samples_with_edge;
         self.pixels_resolved += o.pixels_resolved;
         self.resolve_fetches += o.resolve_fetches;
+        self.passes_not_due += o.passes_not_due;
+        self.samples_in_place += o.samples_in_place;
+        self.samples_reprojected += o.samples_reprojected;
+        self.history_rejected += o.history_rejected;
+        self.history_clamped += o.history_clamped;
     }
 }

@@ -5,8 +5,8 @@ use foveasim_models::{
 };
 use glam::UVec2;
 
-use crate::visible::PassObjects;
-use crate::{RenderError, RenderOptions, live, pass, resolve};
+use crate::passes::draw_passes;
+use crate::{RenderError, RenderOptions, live, mosaic, resolve};
 
 /// Most samples along one side of a pass.
 const LARGEST_SIDE: u32 = 16_384;
@@ -51,35 +51,16 @@ pub fn render(
     options: &RenderOptions,
 ) -> Result<Frame, RenderError> {
     check(view, plan, options)?;
-    let count = plan.passes.len();
-    let objects: Vec<_> = (0..count)
-        .map(|k| PassObjects::of(scene, view, plan, k, options))
-        .collect();
-    let shared = options
-        .skip
-        .repeated_vertices
-        .then(|| PassObjects::shared(&objects, scene, view, options));
-    let geometry_work = shared.as_ref().map_or(Work::default(), |g| g.work);
+    let due = vec![true; plan.passes.len()];
+    let drawn = draw_passes(scene, view, plan, &due, options, false);
     let (mut passes, mut pass_work) = (Vec::new(), Vec::new());
-    for (k, objects) in objects.iter().enumerate() {
-        let own;
-        let geometry = match &shared {
-            Some(geometry) => geometry,
-            None => {
-                own = objects.geometry(scene, view, options);
-                &own
-            }
-        };
-        let (image, mut work) = pass::draw(scene, view, plan, k, geometry, objects, options);
-        if shared.is_none() {
-            work += geometry.work;
-        }
-        passes.push(image);
+    for (samples, work) in drawn.passes.into_iter().flatten() {
+        passes.push(samples.image);
         pass_work.push(work);
     }
     let (image, passes, resolve_work) = resolve::resolve(view, plan, passes, options);
     let mut work = resolve_work;
-    work += geometry_work;
+    work += drawn.shared;
     for w in &pass_work {
         work += *w;
     }
@@ -300,6 +281,11 @@ fn check_resolve(plan: &SamplePlan) -> Result<(), String> {
                 _ => Err("the outermost pass has no samples".into()),
             }
         }
+        // Pixels that no pass has would be black.
+        Resolve::Mosaic => match mosaic::uncovered(plan) {
+            None => Ok(()),
+            Some(px) => Err(format!("no pass has a live sample at pixel {px}")),
+        },
         other => Err(format!("cannot resolve by {other:?}")),
     }
 }

@@ -11,14 +11,16 @@
 //!   triangles that share an edge cover each sample along it exactly once.
 //! * Depth is 1/w in single precision, larger is nearer; of equal depths the triangle that comes
 //!   first in the scene wins.
+//! * A [`Sequence`] draws frame after frame: samples move within their cells, are blended with what was
+//!   seen of the same surface before, and passes are drawn in the frames of their cadence.
 //! * Each visible sample is shaded once, after visibility is known.
 //! * The same input gives the same bytes for any number of threads and any vector width: kernels use
 //!   only + − × ÷ √, comparison and selection, and the scalar level runs the same source.
 //!
 //! # Simplifications
 //!
-//! Still views and affine maps only; one visibility sample per shading sample; every pass is drawn
-//! afresh, whatever its cadence.
+//! Still views and affine maps only. [`render`] draws every
+//! pass afresh, whatever its cadence; a [`Sequence`] knows what the frames before have drawn.
 //!
 //! [`Work`]: foveasim_models::Work
 
@@ -27,12 +29,15 @@ mod fragments;
 mod frame;
 mod kernels;
 mod live;
+mod mosaic;
 mod msaa;
 mod options;
 mod pass;
+mod passes;
 mod project;
 mod raster;
 mod resolve;
+mod temporal;
 mod tile;
 mod visible;
 
@@ -40,3 +45,4 @@ pub use error::RenderError;
 pub use frame::{Frame, render};
 pub use options::{RenderOptions, Simd, Skip};
 pub use pass::{Surfel, visibility};
+pub use temporal::{Clamp, Sequence, TemporalOptions, jitter};

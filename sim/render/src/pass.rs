@@ -75,7 +75,19 @@ pub fn visibility(
     Ok(surfels)
 }
 
-/// Draws pass `index` of a plan: the colour of each of its samples, and the work it took.
+/// The drawn samples of a pass, row by row.
+#[derive(Debug, Clone, PartialEq)]
+pub(crate) struct PassSamples {
+    /// Colours.
+    pub(crate) image: Image,
+    /// 1/w of what is seen [1/m], 0 for the sky, NaN where nothing is drawn; empty unless geometry is
+    /// kept. With several positions of visibility, at the first.
+    pub(crate) inverse_w: Vec<f32>,
+    /// Index of the instance that is seen, `u32::MAX` for the sky; empty unless geometry is kept.
+    pub(crate) instance: Vec<u32>,
+}
+
+/// Draws pass `index` of a plan: what each of its samples sees, and the work it took.
 pub(crate) fn draw(
     scene: &Scene,
     view: &View,
@@ -84,12 +96,20 @@ pub(crate) fn draw(
     geometry: &ViewGeometry,
     objects: &PassObjects,
     options: &RenderOptions,
-) -> (Image, Work) {
+    keep_geometry: bool,
+) -> (PassSamples, Work) {
     let pass = &plan.passes[index];
     let size = grid(pass);
     let mut image = Image::filled(size, [0.0; 3]);
+    let kept = image.rgb.len() * usize::from(keep_geometry);
+    let (mut inverse_w, mut instance) = (vec![f32::NAN; kept], vec![u32::MAX; kept]);
     if size.x == 0 || size.y == 0 {
-        return (image, Work::default());
+        let samples = PassSamples {
+            image,
+            inverse_w,
+            instance,
+        };
+        return (samples, Work::default());
     }
     let drawing = Drawing::new(scene, view, plan, index, geometry, objects, options);
     let context = ShadeContext::new(scene, view.poses[0], &drawing.projection);
@@ -97,7 +117,9 @@ pub(crate) fn draw(
     work.passes = 1;
 
     // Each tile gets its own part of every image row it crosses.
-    let mut jobs: Vec<_> = tiles(size).map(|place| (place, Vec::new())).collect();
+    let mut jobs: Vec<_> = tiles(size)
+        .map(|place| (place, Vec::new(), Vec::new()))
+        .collect();
     let across = size.x.div_ceil(TILE) as usize;
     for (y, row) in image.rgb.chunks_mut(size.x as usize).enumerate() {
         let first = y / TILE as usize * across;
@@ -105,20 +127,37 @@ pub(crate) fn draw(
             jobs[first + x].1.push(part);
         }
     }
+    let geometry_rows = inverse_w
+        .chunks_mut(size.x as usize)
+        .zip(instance.chunks_mut(size.x as usize));
+    for (y, (depths, instances)) in geometry_rows.enumerate() {
+        let first = y / TILE as usize * across;
+        let parts = depths.chunks_mut(TILE as usize);
+        for (x, part) in parts.zip(instances.chunks_mut(TILE as usize)).enumerate() {
+            jobs[first + x].2.push(part);
+        }
+    }
     let works: Vec<Work> = jobs
         .into_par_iter()
         .map_init(
             || Scratch::new(&drawing),
-            |scratch, ((x, y), mut rows)| {
+            |scratch, ((x, y), mut rows, mut geometry)| {
                 let tile = SampleTile::of(pass, x, y);
-                drawing.draw_tile(&context, &tile, &mut rows, scratch)
+                let work = drawing.draw_tile(&context, &tile, &mut rows, scratch);
+                drawing.copy_geometry(scratch, &mut geometry);
+                work
             },
         )
         .collect();
     for tile in works {
         work += tile;
     }
-    (image, work)
+    let samples = PassSamples {
+        image,
+        inverse_w,
+        instance,
+    };
+    (samples, work)
 }
 
 /// Column and row of each tile, row by row.
@@ -320,5 +359,24 @@ impl<'a> Drawing<'a> {
                 std::array::from_fn(|k| ((a[k] + b[k]) + (c[k] + d[k])) * 0.25);
         }
         work
+    }
+
+    /// Writes 1/w and instance of a tile's samples to the rows it was given.
+    fn copy_geometry(&self, scratch: &Scratch, rows: &mut [(&mut [f32], &mut [u32])]) {
+        let positions = self.msaa.positions() as usize;
+        let Scratch { buffers, names, .. } = scratch;
+        for index in 0..if rows.is_empty() { 0 } else { TILE_SAMPLES } {
+            if buffers.valid[index / 8] >> (index % 8) & 1 == 0 {
+                continue;
+            }
+            let [x, y] = position_of(index);
+            let at = index / 8 * 8 * positions + index % 8;
+            let (slot, (depths, instances)) = (buffers.slot[at], &mut rows[y as usize]);
+            depths[x as usize] = buffers.depth[at];
+            if slot != 0 {
+                let t = self.triangles.get(names[slot as usize - 1]);
+                instances[x as usize] = self.geometry.objects[t.object as usize].instance;
+            }
+        }
     }
 }

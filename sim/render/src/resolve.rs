@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use crate::kernels::lanes::{self, F, max, saturate, splat};
 use crate::kernels::{Kernel, dispatch};
+use crate::mosaic::mosaic;
 use crate::{RenderOptions, Simd};
 
 /// Puts the passes together to the displayed image; also gives back the passes, if they are to be
@@ -18,6 +19,13 @@ pub(crate) fn resolve(
     match &plan.resolve {
         Resolve::Feather(feather) => {
             let (image, work) = blend(view, plan, feather, &passes, options.simd);
+            if !options.keep_passes {
+                passes.clear();
+            }
+            (image, passes, work)
+        }
+        Resolve::Mosaic => {
+            let (image, work) = mosaic(plan, &passes);
             if !options.keep_passes {
                 passes.clear();
             }

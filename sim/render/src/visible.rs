@@ -62,16 +62,13 @@ impl PassObjects {
     }
 
     /// The geometry that several passes share.
-    pub(crate) fn shared(
-        passes: &[Self],
+    pub(crate) fn shared<'a>(
+        passes: impl Iterator<Item = &'a Self>,
         scene: &Scene,
         view: &View,
         options: &RenderOptions,
     ) -> ViewGeometry {
-        let mut named: Vec<_> = passes
-            .iter()
-            .flat_map(|p| p.named.iter().copied())
-            .collect();
+        let mut named: Vec<_> = passes.flat_map(|p| p.named.iter().copied()).collect();
         named.sort_unstable();
         named.dedup();
         geometry(scene, view, &named, options)

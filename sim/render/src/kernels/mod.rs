@@ -2,9 +2,12 @@
 
 mod dispatch;
 mod environment;
+mod extremes;
 pub(crate) mod lanes;
 mod noise;
 mod phong;
+mod place;
+mod reproject;
 mod shade;
 mod sky;
 mod surface;
@@ -16,6 +19,8 @@ mod vertices;
 mod visible;
 
 pub(crate) use dispatch::{Kernel, dispatch};
+pub(crate) use extremes::Extremes;
+pub(crate) use reproject::{Before, Past, ReprojectRow, Source, Warp};
 pub(crate) use shade::{Attributes, ShadeContext, ShadeTile};
 pub(crate) use triangles::SetUpEight;
 pub(crate) use vertices::{TransformVertices, VertexTransform};

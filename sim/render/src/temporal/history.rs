@@ -1,0 +1,92 @@
+use std::sync::Arc;
+
+use foveasim_assets::{Scene, Similarity, Sun};
+use foveasim_models::{Image, Pass, View};
+use glam::UVec2;
+
+use crate::kernels::{Before, Past};
+
+/// The last image of a pass, and what it shows.
+#[derive(Debug, Clone)]
+pub(super) struct History {
+    /// The pass as it was drawn, without offset.
+    pub(super) pass: Pass,
+    /// From where it was drawn.
+    pub(super) view: View,
+    /// What was where.
+    pub(super) placed: Arc<Placed>,
+    /// Means over frames.
+    pub(super) image: Image,
+    /// What is known of each sample; empty without reprojection.
+    pub(super) past: Vec<Past>,
+    /// Memory for the next image.
+    pub(super) spare: Spare,
+}
+
+/// Memory of images that are no longer needed.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Spare {
+    pub(super) rgb: Vec<[f32; 3]>,
+    pub(super) past: Vec<Past>,
+}
+
+impl Spare {
+    /// Room for an image of `size`, whatever is in it.
+    pub(super) fn take(self, size: UVec2) -> (Image, Vec<Past>) {
+        let Self { mut rgb, mut past } = self;
+        let samples = size.x as usize * size.y as usize;
+        rgb.resize(samples, [0.0; 3]);
+        past.resize(samples, Past::default());
+        (Image { size, rgb }, past)
+    }
+}
+
+impl History {
+    pub(super) fn before(&self) -> Before<'_> {
+        Before {
+            size: self.image.size,
+            rgb: &self.image.rgb,
+            past: &self.past,
+        }
+    }
+}
+
+/// Where the instances of a scene are, and by what the scene is known again.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct Placed {
+    pub(super) world_from_object: Vec<Similarity>,
+    kind: Kind,
+}
+
+/// What must stay the same for frames to belong together.
+#[derive(Debug, Clone, PartialEq)]
+struct Kind {
+    /// Mesh and material of each instance.
+    instances: Vec<(usize, usize)>,
+    /// Vertices and triangles of each mesh.
+    meshes: Vec<(usize, usize)>,
+    sun: Sun,
+}
+
+impl Placed {
+    pub(super) fn of(scene: &Scene) -> Self {
+        let instances = scene.instances();
+        Self {
+            world_from_object: instances.iter().map(|i| i.world_from_object).collect(),
+            kind: Kind {
+                instances: instances.iter().map(|i| (i.mesh, i.material)).collect(),
+                meshes: scene
+                    .meshes()
+                    .iter()
+                    .map(|m| (m.vertex_count(), m.triangles().len()))
+                    .collect(),
+                sun: *scene.sun(),
+            },
+        }
+    }
+
+    /// Whether both are one scene, wherever its instances are.
+    pub(super) fn is_same_scene(&self, other: &Self) -> bool {
+        self.kind == other.kind
+    }
+}

@@ -1,5 +1,6 @@
 //! The meshes that lie in `../shared/data/mesh` where it is there: all load, and none does harm when
 //! broken.
+#![allow(clippy::print_stderr, reason = "says what was skipped")]
 #![allow(
     unsafe_code,
     reason = "counting what is allocated needs an allocator of our own"

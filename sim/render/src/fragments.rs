@@ -5,7 +5,7 @@ use crate::tile::{BLOCK, BLOCKS_ACROSS, SampleTile, TILE, TILE_SAMPLES, TileBuff
 
 /// No triangle: sky.
 pub(crate) const SKY: u32 = u32::MAX;
-const UNSEEN: u32 = u32::MAX;
+const UNSEEN: u32 = u32::MAX - 1;
 /// Not crossed by an edge.
 const WHOLE: u16 = u16::MAX;
 
@@ -40,7 +40,7 @@ pub(crate) struct Fragments {
     pub(crate) visible: Vec<u32>,
     /// For each slot, its place in `visible`.
     pub(crate) of_slot: Vec<u32>,
-    /// For each slot, its bucket.
+    /// For each of `visible`, its bucket.
     bucket_of: Vec<u32>,
     /// Samples crossed by an edge: column and row.
     pub(crate) edges: Vec<[u8; 2]>,
@@ -82,14 +82,15 @@ impl Fragments {
         self.edge_of[index_of(x, y)] as usize
     }
 
-    /// Collects what is visible in a tile; `materials` are those of the slots, from 1 on.
+    /// Collects what is visible in a tile of `slots` slots; `material` is that of a slot from 1 on.
     pub(crate) fn collect(
         &mut self,
         tile: &SampleTile,
         buffers: &TileBuffers,
         msaa: Msaa,
         rates: Rates<'_>,
-        materials: impl ExactSizeIterator<Item = u32>,
+        slots: usize,
+        material: impl Fn(u32) -> u32,
         work: &mut Work,
     ) {
         for bucket in &mut self.buckets {
@@ -102,11 +103,13 @@ impl Fragments {
         self.visible.clear();
         self.bucket_of.clear();
         self.of_slot.clear();
-        self.of_slot.resize(materials.len() + 1, UNSEEN);
+        self.of_slot.resize(slots + 1, UNSEEN);
         self.of_slot[0] = SKY;
-        self.bucket_of.push(0);
-        self.bucket_of.extend(materials.map(|m| m + 1));
-        let collector = Collector { buffers, msaa };
+        let collector = Collector {
+            buffers,
+            msaa,
+            material,
+        };
         for block in 0..buffers.valid.len() {
             if buffers.valid[block] == 0 && rates.0.is_none() {
                 continue;
@@ -133,34 +136,48 @@ impl Fragments {
         }
     }
 
-    /// Notes that a slot is visible.
+    /// Notes that a slot is visible; returns its bucket.
     #[inline(always)]
-    fn see(&mut self, slot: u32) {
-        let place = &mut self.of_slot[slot as usize];
-        if *place == UNSEEN && slot != 0 {
-            *place = self.visible.len() as u32;
-            self.visible.push(slot);
+    fn see(&mut self, c: &Collector<'_, impl Fn(u32) -> u32>, slot: u32) -> u32 {
+        match self.of_slot[slot as usize] {
+            SKY => 0,
+            UNSEEN => {
+                self.of_slot[slot as usize] = self.visible.len() as u32;
+                self.visible.push(slot);
+                let bucket = (c.material)(slot) + 1;
+                self.bucket_of.push(bucket);
+                bucket
+            }
+            place => self.bucket_of[place as usize],
         }
     }
 
     /// Eight samples, each shaded by itself.
-    fn block(&mut self, c: &Collector<'_>, block: usize, first: UVec2, work: &mut Work) {
+    fn block(
+        &mut self,
+        c: &Collector<'_, impl Fn(u32) -> u32>,
+        block: usize,
+        first: UVec2,
+        work: &mut Work,
+    ) {
         let positions = c.msaa.positions() as usize;
         let valid = c.buffers.valid[block];
-        let slots = &c.buffers.slot[block * positions * 8..(block + 1) * positions * 8];
-        let (nearest, others) = slots.split_at(8);
-        let plain = others.chunks_exact(8).all(|row| row == nearest);
+        let slots = &c.buffers.slot[block * positions..(block + 1) * positions];
+        let (nearest, others) = (&slots[0], &slots[1..]);
+        let plain = others.iter().all(|row| row == nearest);
         if plain {
             // What is not drawn may hold anything, but nothing that is not there.
             let mut last = nearest[0];
-            self.see(last);
-            let bucket = self.bucket_of[last as usize];
+            let bucket = self.see(c, last);
             let mut alike = valid == 0xff;
-            for &slot in &nearest[1..] {
-                if slot != last {
-                    self.see(slot);
-                    alike &= self.bucket_of[slot as usize] == bucket;
-                    last = slot;
+            // Without a branch for each: most blocks are of one triangle.
+            let differs = nearest.iter().fold(0, |d, slot| d | (slot ^ last));
+            if differs != 0 {
+                for &slot in &nearest[1..] {
+                    if slot != last {
+                        alike &= self.see(c, slot) == bucket;
+                        last = slot;
+                    }
                 }
             }
             if alike {
@@ -178,7 +195,7 @@ impl Fragments {
                         size: [1, 1],
                         seen: (1 << positions) - 1,
                     };
-                    let bucket = self.bucket_of[slot as usize] as usize;
+                    let bucket = self.see(c, slot) as usize;
                     self.buckets[bucket].fragments.push(fragment);
                 }
             }
@@ -191,7 +208,13 @@ impl Fragments {
     }
 
     /// The blocks of coarse shading that begin in a block of samples.
-    fn coarse(&mut self, c: &Collector<'_>, first: UVec2, rate: ShadingRate, work: &mut Work) {
+    fn coarse(
+        &mut self,
+        c: &Collector<'_, impl Fn(u32) -> u32>,
+        first: UVec2,
+        rate: ShadingRate,
+        work: &mut Work,
+    ) {
         let size = UVec2::new(rate.x, rate.y);
         for y in (first.y..first.y + BLOCK[1]).filter(|y| y % rate.y == 0) {
             for x in (first.x..first.x + BLOCK[0]).filter(|x| x % rate.x == 0) {
@@ -201,7 +224,13 @@ impl Fragments {
     }
 
     /// Everything visible in `size` samples from `first` on: one fragment for each triangle.
-    fn group(&mut self, c: &Collector<'_>, first: UVec2, size: UVec2, work: &mut Work) {
+    fn group(
+        &mut self,
+        c: &Collector<'_, impl Fn(u32) -> u32>,
+        first: UVec2,
+        size: UVec2,
+        work: &mut Work,
+    ) {
         let positions = c.msaa.positions() as usize;
         // At most 16 samples of 4 positions.
         let (mut found, mut count) = ([(0u32, 0u64); 64], 0);
@@ -219,7 +248,7 @@ impl Fragments {
                 let sample = (dy * size.x + dx) as usize;
                 let mut several = false;
                 for p in 0..positions {
-                    let slot = c.buffers.slot[(block * positions + p) * 8 + lane];
+                    let slot = c.buffers.slot[block * positions + p][lane];
                     let bit = 1 << (sample * positions + p);
                     let place = found[..count].iter().position(|f| f.0 == slot);
                     let place = place.unwrap_or_else(|| {
@@ -227,7 +256,7 @@ impl Fragments {
                         count - 1
                     });
                     found[place] = (slot, found[place].1 | bit);
-                    several |= slot != c.buffers.slot[block * positions * 8 + lane];
+                    several |= slot != c.buffers.slot[block * positions][lane];
                 }
                 if several {
                     self.edge_of[index] = self.edges.len() as u16;
@@ -237,8 +266,7 @@ impl Fragments {
             }
         }
         for &(slot, seen) in &found[..count] {
-            self.see(slot);
-            let bucket = self.bucket_of[slot as usize] as usize;
+            let bucket = self.see(c, slot) as usize;
             self.buckets[bucket].fragments.push(Fragment {
                 triangle: self.of_slot[slot as usize],
                 first: [first.x as u8, first.y as u8],
@@ -249,8 +277,9 @@ impl Fragments {
     }
 }
 
-#[derive(Clone, Copy)]
-struct Collector<'a> {
+/// What a tile shows.
+struct Collector<'a, M> {
     buffers: &'a TileBuffers,
     msaa: Msaa,
+    material: M,
 }

@@ -4,12 +4,12 @@ use glam::UVec2;
 use rayon::prelude::*;
 
 use crate::fragments::{Fragments, Rates};
-use crate::kernels::{Attributes, RasterizeTile, ShadeContext, ShadeTile, dispatch};
+use crate::kernels::{Attributes, Details, RasterizeTile, ShadeContext, ShadeTile, dispatch};
 use crate::live::{Live, grid};
 use crate::msaa::offsets;
 use crate::project::Projection;
 use crate::raster::{
-    Needs, PassTriangles, SetUp, SetUpTriangle, TriangleRef, ViewGeometry, attributes, set_up,
+    Needs, PassTriangles, SetUp, SetUpTriangle, ViewGeometry, attributes, details, set_up,
 };
 use crate::tile::{SampleTile, TILE, TILE_SAMPLES, TileBuffers, position_of, sampled};
 use crate::visible::PassObjects;
@@ -59,15 +59,15 @@ pub fn visibility(
         let tile = SampleTile::of(&plan.passes[pass], x, y);
         drawing.find_visible(&tile, &mut scratch, &mut Work::default());
         for (place, index) in drawing.samples(&tile, &scratch.buffers) {
-            let slot = scratch.buffers.slot[index];
+            let slot = scratch.buffers.slot.as_flattened()[index];
             if slot != 0 {
-                let t = drawing.triangles.get(scratch.names[slot as usize - 1]);
+                let t = &scratch.triangles[slot as usize - 1];
                 let object = &geometry.objects[t.object as usize];
                 surfels[place] = Some(Surfel {
                     instance: object.instance,
                     mesh: object.mesh,
                     triangle: t.index() as u32,
-                    depth_m: 1.0 / scratch.buffers.depth[index],
+                    depth_m: 1.0 / scratch.buffers.depth.as_flattened()[index],
                 });
             }
         }
@@ -139,15 +139,19 @@ struct Drawing<'a> {
     triangles: PassTriangles,
     /// For each material, what it reads of a triangle.
     needs: Vec<Needs>,
+    /// Whether anything may read a triangle's details.
+    has_details: bool,
     work: Work,
 }
 
 /// Memory that a worker uses for one tile after the other.
 struct Scratch {
     buffers: TileBuffers,
-    names: Vec<TriangleRef>,
+    /// Those that meet the tile.
+    triangles: Vec<SetUpTriangle>,
     fragments: Fragments,
     attributes: Vec<Attributes>,
+    details: Vec<Details>,
     edges: Vec<[[f32; 3]; 4]>,
 }
 
@@ -155,9 +159,10 @@ impl Scratch {
     fn new(drawing: &Drawing<'_>) -> Self {
         Self {
             buffers: TileBuffers::new(drawing.msaa.positions() as usize),
-            names: Vec::new(),
+            triangles: Vec::new(),
             fragments: Fragments::new(drawing.scene.materials().len()),
             attributes: Vec::new(),
+            details: Vec::new(),
             edges: Vec::new(),
         }
     }
@@ -195,16 +200,21 @@ impl<'a> Drawing<'a> {
         };
         let (triangles, mut work) = set_up(&pass_set_up, &objects.in_geometry(geometry));
         work += objects.work;
+        let needs: Vec<_> = scene.materials().iter().map(Needs::of).collect();
+        let rates = Rates::of(&pass.shading);
         Self {
             scene,
             options,
             geometry,
             projection,
             msaa,
-            rates: Rates::of(&pass.shading),
+            has_details: msaa != Msaa::One
+                || rates.0.is_some()
+                || needs.iter().any(|n| n.object || n.uv),
+            rates,
             live: Live::new(plan, index, &view.optics, options.skip.hidden),
             triangles,
-            needs: scene.materials().iter().map(Needs::of).collect(),
+            needs,
             work,
         }
     }
@@ -231,15 +241,14 @@ impl<'a> Drawing<'a> {
         scratch.buffers.clear(tile, &self.live);
         self.live.count(tile, &scratch.buffers.valid, work);
         if scratch.buffers.valid.iter().all(|lanes| *lanes == 0) {
-            scratch.names.clear();
+            scratch.triangles.clear();
             return false;
         }
         let place = tile.origin / TILE;
-        self.triangles.tile(place.x, place.y, &mut scratch.names);
+        self.triangles.tile(place.x, place.y, &mut scratch.triangles);
         let kernel = RasterizeTile {
             tile,
-            triangles: &self.triangles,
-            names: &scratch.names,
+            triangles: &scratch.triangles,
             objects: &self.geometry.objects,
             msaa: self.msaa,
             skip_occluded: self.options.skip.occluded,
@@ -268,9 +277,10 @@ impl<'a> Drawing<'a> {
         }
         let Scratch {
             buffers,
-            names,
+            triangles,
             fragments,
             attributes: prepared,
+            details: detailed,
             edges,
         } = scratch;
         fragments.collect(
@@ -278,17 +288,25 @@ impl<'a> Drawing<'a> {
             buffers,
             self.msaa,
             self.rates,
-            names
-                .iter()
-                .map(|name| self.material(self.triangles.get(*name)) as u32),
+            triangles.len(),
+            |slot| self.material(&triangles[slot as usize - 1]) as u32,
             &mut work,
         );
+        let visible = fragments.visible.iter();
+        let visible = visible.map(|&slot| &triangles[slot as usize - 1]);
         prepared.clear();
-        prepared.extend(fragments.visible.iter().map(|&slot| {
-            let t = self.triangles.get(names[slot as usize - 1]);
-            let needs = self.needs[self.material(t)];
-            attributes(self.scene, self.geometry, t, &self.projection, needs)
-        }));
+        prepared.extend(
+            visible
+                .clone()
+                .map(|t| attributes(self.scene, self.geometry, t, &self.projection)),
+        );
+        detailed.clear();
+        if self.has_details {
+            detailed.extend(visible.map(|t| {
+                let needs = self.needs[self.material(t)];
+                details(self.scene, self.geometry, t, &self.projection, needs)
+            }));
+        }
         edges.clear();
         edges.resize(fragments.edges.len(), [[0.0; 3]; 4]);
         for bucket in 0..fragments.buckets.len() {
@@ -307,6 +325,7 @@ impl<'a> Drawing<'a> {
                 needs: bucket.checked_sub(1).map_or(nothing, |m| self.needs[m]),
                 fragments,
                 triangles: prepared,
+                details: detailed,
                 buffers,
                 msaa: self.msaa,
                 out: rows,

@@ -85,9 +85,9 @@ pub(crate) fn position_of(index: usize) -> [u32; 2] {
 #[derive(Debug)]
 pub(crate) struct TileBuffers {
     /// 1/w of the nearest triangle so far [1/m]; 0 where there is none.
-    pub(crate) depth: Vec<f32>,
+    pub(crate) depth: Vec<[f32; 8]>,
     /// One more than its place in the tile's list; 0 where there is none.
-    pub(crate) slot: Vec<u32>,
+    pub(crate) slot: Vec<[u32; 8]>,
     /// For each block, the lanes that are drawn.
     pub(crate) valid: Vec<u8>,
     /// For each cell, a lower bound of 1/w over it.
@@ -103,8 +103,8 @@ impl TileBuffers {
     /// For up to `positions` positions of visibility per sample.
     pub(crate) fn new(positions: usize) -> Self {
         Self {
-            depth: vec![0.0; TILE_SAMPLES * positions],
-            slot: vec![0; TILE_SAMPLES * positions],
+            depth: vec![[0.0; 8]; TILE_SAMPLES / 8 * positions],
+            slot: vec![[0; 8]; TILE_SAMPLES / 8 * positions],
             valid: vec![0xff; TILE_SAMPLES / 8],
             farthest: [0.0; (CELLS_ACROSS * CELLS_ACROSS) as usize],
             changed: [0; (CELLS_ACROSS * CELLS_ACROSS) as usize],
@@ -114,8 +114,8 @@ impl TileBuffers {
 
     /// Empties the buffers for `tile`, of which only `live` samples are drawn.
     pub(crate) fn clear(&mut self, tile: &SampleTile, live: &Live<'_>) {
-        self.depth.fill(0.0);
-        self.slot.fill(0);
+        self.depth.fill([0.0; 8]);
+        self.slot.fill([0; 8]);
         self.farthest.fill(0.0);
         self.changed.fill(0);
         self.valid.fill(0xff);

@@ -14,7 +14,7 @@ mod vertices;
 mod visible;
 
 pub(crate) use dispatch::{Kernel, dispatch};
-pub(crate) use shade::{Attributes, ShadeContext, ShadeTile};
+pub(crate) use shade::{Attributes, Details, ShadeContext, ShadeTile};
 pub(crate) use triangles::SetUpEight;
 pub(crate) use vertices::{TransformVertices, VertexTransform};
 pub(crate) use visible::RasterizeTile;

@@ -1,5 +1,5 @@
 use fearless_simd::prelude::*;
-use foveasim_assets::{Material, Scene};
+use foveasim_assets::{Material, Scene, Sky};
 use foveasim_models::{Msaa, Pose};
 use glam::{DMat3, DVec3};
 
@@ -14,27 +14,39 @@ use crate::project::Projection;
 use crate::raster::Needs;
 use crate::tile::{SampleTile, TileBuffers, position_of};
 
-/// What shading needs of one triangle: each attribute as a start and its change towards the second
-/// and the third corner, and the functions that give a sample's place in the triangle.
+/// What shading always needs of one triangle: one cache line.
 #[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
 pub(crate) struct Attributes(pub(crate) [f32; Attributes::COUNT]);
 
 impl Attributes {
     /// Lattice position of the first corner of the set-up triangle [samples].
     pub(crate) const CORNER: usize = 0;
-    /// Weight over w of the second and third corner: at CORNER, change along x, along y.
-    pub(crate) const WEIGHTS: usize = 2;
-    /// Normal in the world: at the first corner, towards the second, towards the third.
-    pub(crate) const NORMAL: usize = 8;
-    /// Position in the object.
-    pub(crate) const OBJECT: usize = 17;
-    /// Texture coordinates.
-    pub(crate) const UV: usize = 26;
-    /// Object units per metre; texture units per metre.
-    pub(crate) const PER_METRE: usize = 32;
+    /// Normal in the world over w: at CORNER, its change along x, along y.
+    pub(crate) const NORMAL: usize = 2;
     /// 1/w at CORNER, its change along x, along y, its least and greatest value.
-    pub(crate) const DEPTH: usize = 34;
-    pub(crate) const COUNT: usize = 39;
+    pub(crate) const DEPTH: usize = 11;
+    pub(crate) const COUNT: usize = 16;
+}
+
+/// What else some materials need of a triangle, and fragments whose middle may lie outside of it: each
+/// attribute as a start and its change towards the second and the third corner, and the functions that
+/// give a sample's place in the triangle.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Details(pub(crate) [f32; Details::COUNT]);
+
+impl Details {
+    /// Weight over w of the second and third corner: at CORNER, change along x, along y.
+    pub(crate) const WEIGHTS: usize = 0;
+    /// Normal in the world: at the first corner, towards the second, towards the third.
+    pub(crate) const NORMAL: usize = 6;
+    /// Position in the object.
+    pub(crate) const OBJECT: usize = 15;
+    /// Texture coordinates.
+    pub(crate) const UV: usize = 24;
+    /// Object units per metre; texture units per metre.
+    pub(crate) const PER_METRE: usize = 30;
+    pub(crate) const COUNT: usize = 32;
 }
 
 /// Light that reaches every surface alike.
@@ -134,6 +146,8 @@ pub(crate) struct ShadeTile<'a, 'b> {
     pub(crate) fragments: &'a Fragments,
     /// The triangles that are visible in the tile.
     pub(crate) triangles: &'a [Attributes],
+    /// Of the same; may be empty where no material needs more and each fragment is one sample.
+    pub(crate) details: &'a [Details],
     pub(crate) buffers: &'a TileBuffers,
     pub(crate) msaa: Msaa,
     /// Rows of the tile in the pass's image.
@@ -150,7 +164,19 @@ impl Kernel for ShadeTile<'_, '_> {
         let context = self.context;
         let needs = self.needs;
         let scene = context.scene;
-        match self.bucket.checked_sub(1).map(|m| &scene.materials()[m]) {
+        let material = self.bucket.checked_sub(1).map(|m| &scene.materials()[m]);
+        let flat = match (material, scene.sky()) {
+            (Some(Material::Unlit(colour)), _) | (None, Sky::Uniform(colour)) => Some(*colour),
+            _ => None,
+        };
+        if let Some(colour) = flat {
+            return self.each_eight(
+                simd,
+                #[inline(always)]
+                |_| V3::splat(simd, colour),
+            );
+        }
+        match material {
             None => self.each_eight(
                 simd,
                 #[inline(always)]
@@ -182,17 +208,11 @@ impl Kernel for ShadeTile<'_, '_> {
                 simd,
                 #[inline(always)]
                 |eight| {
-                    let hit = eight.hit(context, simd, needs);
+                    // Inlined, so that what it does not read is not worked out.
+                    let hit = eight.hit_inline(context, simd, needs);
                     phong(simd, p, &context.light, &hit)
                 },
             ),
-            Some(Material::Unlit(colour)) => {
-                self.each_eight(
-                    simd,
-                    #[inline(always)]
-                    |_| V3::splat(simd, *colour),
-                );
-            }
             Some(other) => unreachable!("no kernel for {other:?}"),
         }
     }
@@ -228,9 +248,14 @@ impl ShadeTile<'_, '_> {
                 Some(block) => {
                     let [x, y] = position_of(block as usize * 8);
                     let (x, y) = (x as usize, y as usize);
-                    for i in 0..4 {
-                        self.out[y][x + i] = [r[i], g[i], b[i]];
-                        self.out[y + 1][x + i] = [r[i + 4], g[i + 4], b[i + 4]];
+                    for (k, row) in self.out[y..y + 2].iter_mut().enumerate() {
+                        let k = 4 * k;
+                        row[x..x + 4].copy_from_slice(&[
+                            [r[k], g[k], b[k]],
+                            [r[k + 1], g[k + 1], b[k + 1]],
+                            [r[k + 2], g[k + 2], b[k + 2]],
+                            [r[k + 3], g[k + 3], b[k + 3]],
+                        ]);
                     }
                 }
                 None => {
@@ -259,22 +284,18 @@ impl ShadeTile<'_, '_> {
             F::from_slice(simd, &lanes_x) + x,
             F::from_slice(simd, &lanes_y) + y,
         ];
-        let first = block as usize * 8 * self.msaa.positions() as usize;
-        let mut names = [0; 8];
-        if self.bucket != 0 {
-            let slots = &self.buffers.slot[first..first + 8];
-            for (name, &slot) in names.iter_mut().zip(slots) {
-                *name = self.fragments.of_slot[slot as usize];
-            }
-        }
-        let known = self.msaa == Msaa::One;
-        let depths = &self.buffers.depth[first..first + 8];
+        let first = block as usize * self.msaa.positions() as usize;
         Eight {
             lattice,
             display,
-            inverse_w: known.then(|| F::from_slice(simd, depths)),
+            inverse_w: (self.msaa == Msaa::One)
+                .then(|| F::from_slice(simd, &self.buffers.depth[first])),
             triangles: self.triangles,
-            names,
+            details: self.details,
+            // The middle of a sample all of whose positions are covered is covered.
+            beside: 0,
+            slots: self.buffers.slot[first],
+            of_slot: Some(&self.fragments.of_slot),
             coarseness: splat(simd, 1.0),
         }
     }
@@ -288,7 +309,8 @@ impl ShadeTile<'_, '_> {
         display: &'e [[f32; 2]; 2],
     ) -> Eight<'e, S> {
         let (mut x, mut y, mut coarseness) = ([0.0; 8], [0.0; 8], [1.0; 8]);
-        let mut names = [0; 8];
+        let (mut names, mut beside) = ([0; 8], 0);
+        let every = (1u64 << self.msaa.positions()) - 1;
         for i in 0..8 {
             // Eight that are not full repeat their last.
             let fragment = &fragments[i.min(fragments.len() - 1)];
@@ -300,13 +322,19 @@ impl ShadeTile<'_, '_> {
             if fragment.triangle != SKY {
                 names[i] = fragment.triangle;
             }
+            if fragment.size != [1, 1] || fragment.seen != every {
+                beside |= 1 << i;
+            }
         }
         Eight {
             lattice: [F::from_slice(simd, &x), F::from_slice(simd, &y)],
             display,
             inverse_w: None,
             triangles: self.triangles,
-            names,
+            details: self.details,
+            beside,
+            slots: names,
+            of_slot: None,
             coarseness: F::from_slice(simd, &coarseness),
         }
     }
@@ -348,8 +376,13 @@ struct Eight<'a, S: Simd> {
     /// 1/w where the depth test left it; else that of the triangle's plane.
     inverse_w: Option<F<S>>,
     triangles: &'a [Attributes],
-    /// Which triangle each lane sees.
-    names: [u32; 8],
+    details: &'a [Details],
+    /// Lanes whose place may lie outside of their triangle.
+    beside: u32,
+    /// Which triangle each lane sees: its slot, or its place among the visible.
+    slots: [u32; 8],
+    /// Place among the visible of each slot.
+    of_slot: Option<&'a [u32]>,
     /// Along the longer side, how many samples share the evaluation.
     coarseness: F<S>,
 }
@@ -390,42 +423,55 @@ impl<S: Simd> Eight<'_, S> {
         let mut inverse_w = self.inverse_w.unwrap_or(one);
         let (mut normal, mut object) = (V3::splat(simd, [0.0; 3]), V3::splat(simd, [0.0; 3]));
         let (mut uv, mut per_metre) = ([zero; 2], [zero; 2]);
+        let needs_details = needs.object || needs.uv || self.beside != 0;
+        let beside = mask32x8::from_bitmask(simd, self.beside.into());
         // Neighbours mostly see the same triangle: one round for each that the lanes see.
-        let names = u32x8::from_slice(simd, &self.names);
+        let slots = u32x8::from_slice(simd, &self.slots);
         let mut rest = 0xffu32;
         while rest != 0 {
-            let name = self.names[rest.trailing_zeros() as usize];
-            let here = names.simd_eq(name);
+            let slot = self.slots[rest.trailing_zeros() as usize & 7];
+            let here = slots.simd_eq(slot);
             rest &= !(here.to_bitmask() as u32);
-            let a = &self.triangles[name as usize].0;
+            let name = self.of_slot.map_or(slot, |places| places[slot as usize]) as usize;
+            let a = &self.triangles[name].0;
             let dx = self.lattice[0] - a[Attributes::CORNER];
             let dy = self.lattice[1] - a[Attributes::CORNER + 1];
             if self.inverse_w.is_none() {
                 // As the depth test has it, to the bit.
                 let d = Attributes::DEPTH;
-                let depth = dx * a[d + 1] + a[d] + dy * a[d + 2];
+                let depth = plane(a, d, 1, dx, dy);
                 let depth = max(min(depth, splat(simd, a[d + 4])), splat(simd, a[d + 3]));
                 inverse_w = here.select(depth, inverse_w);
             }
+            let over_w = V3 {
+                x: plane(a, Attributes::NORMAL, 3, dx, dy),
+                y: plane(a, Attributes::NORMAL + 1, 3, dx, dy),
+                z: plane(a, Attributes::NORMAL + 2, 3, dx, dy),
+            };
+            normal = select(here, over_w, normal);
+            if !needs_details {
+                continue;
+            }
+            let a = &self.details[name].0;
             let w = one / inverse_w;
-            let weight = Attributes::WEIGHTS;
-            let second = (dx * a[weight + 1] + a[weight] + dy * a[weight + 2]) * w;
-            let third = (dx * a[weight + 4] + a[weight + 3] + dy * a[weight + 5]) * w;
-            // Snapping may put a sample just outside its triangle: its attributes stay within.
+            let weight = Details::WEIGHTS;
+            let second = plane(a, weight, 1, dx, dy) * w;
+            let third = plane(a, weight + 3, 1, dx, dy) * w;
+            // A place beside its triangle has the attributes of one within.
             let second = saturate(second);
             let third = min(saturate(third), one - second);
-            let n = triple(a, Attributes::NORMAL, second, third);
-            normal = select(here, n, normal);
+            let within = triple(a, Details::NORMAL, second, third);
+            normal = select(here & beside, within, normal);
             if needs.object {
-                object = select(here, triple(a, Attributes::OBJECT, second, third), object);
-                per_metre[0] = here.select(splat(simd, a[Attributes::PER_METRE]), per_metre[0]);
+                object = select(here, triple(a, Details::OBJECT, second, third), object);
+                per_metre[0] = here.select(splat(simd, a[Details::PER_METRE]), per_metre[0]);
             }
             if needs.uv {
                 for k in 0..2 {
-                    let value = blend(a, Attributes::UV + k, 2, second, third);
+                    let value = blend(a, Details::UV + k, 2, second, third);
                     uv[k] = here.select(value, uv[k]);
                 }
-                let scale = splat(simd, a[Attributes::PER_METRE + 1]);
+                let scale = splat(simd, a[Details::PER_METRE + 1]);
                 per_metre[1] = here.select(scale, per_metre[1]);
             }
         }
@@ -461,10 +507,16 @@ impl<S: Simd> Eight<'_, S> {
     }
 }
 
+/// Value of a plane whose start and changes along x and y are `stride` apart.
+#[inline(always)]
+fn plane<S: Simd>(a: &[f32], first: usize, stride: usize, dx: F<S>, dy: F<S>) -> F<S> {
+    dx * a[first + stride] + a[first] + dy * a[first + 2 * stride]
+}
+
 /// Attribute `first` of a triangle, whose changes follow in steps of `stride`.
 #[inline(always)]
 fn blend<S: Simd>(
-    a: &[f32; Attributes::COUNT],
+    a: &[f32; Details::COUNT],
     first: usize,
     stride: usize,
     second: F<S>,
@@ -474,7 +526,7 @@ fn blend<S: Simd>(
 }
 
 #[inline(always)]
-fn triple<S: Simd>(a: &[f32; Attributes::COUNT], first: usize, second: F<S>, third: F<S>) -> V3<S> {
+fn triple<S: Simd>(a: &[f32; Details::COUNT], first: usize, second: F<S>, third: F<S>) -> V3<S> {
     V3 {
         x: blend(a, first, 3, second, third),
         y: blend(a, first + 1, 3, second, third),

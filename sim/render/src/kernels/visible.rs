@@ -5,18 +5,19 @@ use super::Kernel;
 use super::lanes::{F, Simd, i32x8, mask32x8, max, min, splat, three, two, u32x8};
 use crate::msaa::offsets;
 use crate::project::SUBSAMPLES;
-use crate::raster::{Object, PassTriangles, SetUpTriangle, TriangleRef};
-use crate::tile::{BLOCK, BLOCKS_ACROSS, CELL, CELLS_ACROSS, SampleTile, TILE, TileBuffers};
+use crate::raster::{Object, SetUpTriangle};
+use crate::tile::{
+    BLOCK, BLOCKS_ACROSS, CELL, CELLS_ACROSS, SampleTile, TILE, TILE_SAMPLES, TileBuffers,
+};
 
-/// A cell's farthest depth is looked up anew after this many triangles have changed it.
-const STALE: u8 = 4;
+/// A cell's farthest depth is looked up anew after this many blocks in it have been drawn to.
+const STALE: u8 = 16;
 
 /// Finds the nearest triangle at each position of visibility of a tile's samples.
 pub(crate) struct RasterizeTile<'a> {
     pub(crate) tile: &'a SampleTile,
-    pub(crate) triangles: &'a PassTriangles,
     /// Those that meet the tile.
-    pub(crate) names: &'a [TriangleRef],
+    pub(crate) triangles: &'a [SetUpTriangle],
     pub(crate) objects: &'a [Object],
     pub(crate) msaa: Msaa,
     /// Whether what lies behind all that a cell shows is left out.
@@ -48,12 +49,10 @@ impl RasterizeTile<'_> {
             fx: lane_x.to_float(),
             fy: lane_y.to_float(),
         };
-        let all = self.triangles;
-        let names = self.names;
+        let mut counts = Counts::default();
         let origin = [self.tile.origin.x as i32, self.tile.origin.y as i32];
         let last = [self.tile.size.x as i32 - 1, self.tile.size.y as i32 - 1];
-        for (name, place) in names.iter().zip(1..) {
-            let t = all.get(*name);
+        for (t, place) in self.triangles.iter().zip(1..) {
             let [x0, y0] = two(
                 #[inline(always)]
                 |k| (i32::from(t.bounds[k][0]) - origin[k]).max(0),
@@ -68,22 +67,39 @@ impl RasterizeTile<'_> {
             let depth = Depth::<S, P>::new(simd, t, origin, &offsets, &lanes, place);
             if t.is_small && across * down <= 4 {
                 if self.skip_occluded && self.hidden(simd, cells, t.depth_range[1], P) {
-                    self.work.triangles_occluded += 1;
+                    counts.triangles_occluded += 1;
                     continue;
                 }
                 let blocks = [[x0 / 4, x1 / 4], [y0 / 2, y1 / 2]];
-                self.small(simd, t, &depth, origin, &offsets, &lanes, blocks);
-                for cy in cells[1][0]..=cells[1][1] {
-                    for cx in cells[0][0]..=cells[0][1] {
-                        let cell = (cy * CELLS_ACROSS + cx) as usize;
-                        self.buffers.changed[cell] = self.buffers.changed[cell].saturating_add(1);
-                    }
-                }
+                self.small(
+                    simd,
+                    t,
+                    &depth,
+                    origin,
+                    &offsets,
+                    &lanes,
+                    blocks,
+                    &mut counts,
+                );
             } else {
                 let bounds = [[x0, x1], [y0, y1]];
-                self.large(simd, t, &depth, origin, &offsets, &lanes, bounds);
+                self.large(
+                    simd,
+                    t,
+                    &depth,
+                    origin,
+                    &offsets,
+                    &lanes,
+                    bounds,
+                    &mut counts,
+                );
             }
         }
+        self.work.triangles_occluded += counts.triangles_occluded;
+        self.work.cells_occluded += counts.cells_occluded;
+        self.work.samples_tested += counts.blocks_tested * 8;
+        self.work.samples_covered += counts.samples_covered;
+        self.work.quads += counts.quads;
     }
 
     /// Whether all that the cells show is nearer than `nearest` 1/w.
@@ -121,8 +137,8 @@ impl RasterizeTile<'_> {
         for by in cy * CELL / 2..(cy + 1) * CELL / 2 {
             let first = by as usize * BLOCKS_ACROSS as usize + (cx * CELL / 4) as usize;
             // The two blocks of a cell's row lie side by side.
-            let range = first * positions * 8..(first + 2) * positions * 8;
-            for (k, depth) in self.buffers.depth[range].chunks_exact(8).enumerate() {
+            let range = first * positions..(first + 2) * positions;
+            for (k, depth) in self.buffers.depth[range].iter().enumerate() {
                 if self.buffers.valid[first + k / positions] == 0xff {
                     least = min(F::from_slice(simd, depth), least);
                 } else if self.buffers.valid[first + k / positions] != 0 {
@@ -147,60 +163,62 @@ impl RasterizeTile<'_> {
         offsets: &[[i32; 2]; P],
         lanes: &Lanes<S>,
         [[bx0, bx1], [by0, by1]]: [[i32; 2]; 2],
+        counts: &mut Counts,
     ) {
         let [a, b, c] = t.corners;
         let first = [
             (origin[0] + bx0 * BLOCK[0] as i32) * SUBSAMPLES + SUBSAMPLES / 2,
             (origin[1] + by0 * BLOCK[1] as i32) * SUBSAMPLES + SUBSAMPLES / 2,
         ];
-        let mut step = [[0; 2]; 3];
-        let mut rows = [[i32x8::splat(simd, 0); P]; 3];
+        let zero = i32x8::splat(simd, 0);
+        // To the next block of the row, and to the first block of the next row.
+        let mut steps = [[zero; 3]; 2];
+        let mut values = [[zero; P]; 3];
         for (k, (from, to)) in [(a, b), (b, c), (c, a)].into_iter().enumerate() {
             let d = [to[0] - from[0], to[1] - from[1]];
             let p = [first[0] - from[0], first[1] - from[1]];
             let top_left = d[1] < 0 || (d[1] == 0 && d[0] > 0);
             let value = d[0] * p[1] - d[1] * p[0] - i32::from(!top_left);
             let across = lanes.y * d[0] - lanes.x * d[1];
-            for (row, o) in rows[k].iter_mut().zip(offsets) {
+            for (values, o) in values[k].iter_mut().zip(offsets) {
                 // All values at one position are congruent: see [`Edge`].
                 let at = (value + d[0] * o[1] - d[1] * o[0]) >> SUBSAMPLES.ilog2();
-                *row = across + at;
+                *values = across + at;
             }
-            step[k] = [-d[1] * BLOCK[0] as i32, d[0] * BLOCK[1] as i32];
+            let [across, down] = [-d[1] * BLOCK[0] as i32, d[0] * BLOCK[1] as i32];
+            steps[0][k] = i32x8::splat(simd, across);
+            steps[1][k] = i32x8::splat(simd, down - (bx1 - bx0) * across);
         }
-        let zero = i32x8::splat(simd, 0);
-        // First which blocks are covered, without a branch for each; then those.
+        // First which blocks are covered, in one loop without a branch for each: trip counts and
+        // coverage are hard to foresee. Then those.
+        let blocks = (bx1 - bx0 + 1) * (by1 - by0 + 1);
+        let mut block = by0 * BLOCKS_ACROSS as i32 + bx0;
+        let mut left = bx1 - bx0;
         let mut count = 0;
-        for by in by0..=by1 {
-            let mut values = rows;
-            for bx in bx0..=bx1 {
-                for p in 0..P {
-                    let signs = values[0][p] | values[1][p] | values[2][p];
-                    let inside = signs.simd_ge(zero).to_bitmask() as u32;
-                    let name = inside | (p as u32) << 8 | (bx as u32) << 16 | (by as u32) << 24;
-                    self.buffers.found[count] = name;
-                    count += usize::from(inside != 0);
-                    for k in 0..3 {
-                        values[k][p] = values[k][p] + step[k][0];
-                    }
-                }
+        for _ in 0..blocks {
+            for p in 0..P {
+                let signs = values[0][p] | values[1][p] | values[2][p];
+                let inside = signs.simd_ge(zero).to_bitmask() as u32;
+                self.buffers.found[count] = inside | (p as u32) << 8 | (block as u32) << 16;
+                count += usize::from(inside != 0);
             }
+            let wraps = left == 0;
+            let step = &steps[usize::from(wraps)];
             for k in 0..3 {
-                for row in &mut rows[k] {
-                    *row = *row + step[k][1];
+                for value in &mut values[k] {
+                    *value = *value + step[k];
                 }
             }
+            let back = bx1 - bx0;
+            block += if wraps { BLOCKS_ACROSS as i32 - back } else { 1 };
+            left = if wraps { back } else { left - 1 };
         }
         for k in 0..count {
             let name = self.buffers.found[k];
-            let [inside, p, bx, by] = name.to_le_bytes();
-            let (p, bx, by) = (p as usize, i32::from(bx), i32::from(by));
-            let block = (by * BLOCKS_ACROSS as i32 + bx) as usize;
-            let inside = mask32x8::from_bitmask(simd, u64::from(inside));
-            self.block(simd, block, [bx, by], p, inside, depth);
+            let (inside, p, block) = (name & 0xff, name as usize >> 8 & 3, name as usize >> 16);
+            self.block(simd, block, p, inside, depth, counts);
         }
-        let blocks = ((bx1 - bx0 + 1) * (by1 - by0 + 1)) as u64;
-        self.work.samples_tested += blocks * 8 * P as u64;
+        counts.blocks_tested += blocks as u64 * P as u64;
     }
 
     /// Any triangle: cell by cell.
@@ -214,6 +232,7 @@ impl RasterizeTile<'_> {
         offsets: &[[i32; 2]; P],
         lanes: &Lanes<S>,
         [[x0, x1], [y0, y1]]: [[i32; 2]; 2],
+        counts: &mut Counts,
     ) {
         let [a, b, c] = t.corners;
         let edges = [
@@ -230,7 +249,6 @@ impl RasterizeTile<'_> {
             |k| lanes.x * edges[k].step[0] + lanes.y * edges[k].step[1],
         );
         let zero = i32x8::splat(simd, 0);
-        let everywhere = zero.simd_ge(zero);
         for cell_y in y0 / CELL..=y1 / CELL {
             for cell_x in x0 / CELL..=x1 / CELL {
                 let (x, y) = (cell_x * CELL, cell_y * CELL);
@@ -243,7 +261,7 @@ impl RasterizeTile<'_> {
                 }
                 let here = [[cell_x; 2], [cell_y; 2]];
                 if self.skip_occluded && self.hidden(simd, here, t.depth_range[1], P) {
-                    self.work.cells_occluded += 1;
+                    counts.cells_occluded += 1;
                     continue;
                 }
                 let accepted = (over[0][1] | over[1][1] | over[2][1]) >= 0;
@@ -253,79 +271,104 @@ impl RasterizeTile<'_> {
                         let (x, y) = (bx * BLOCK[0] as i32, by * BLOCK[1] as i32);
                         for p in 0..P {
                             let inside = if accepted {
-                                everywhere
+                                0xff
                             } else {
                                 let signs = (across[0] + edges[0].at(p, x, y))
                                     | (across[1] + edges[1].at(p, x, y))
                                     | (across[2] + edges[2].at(p, x, y));
-                                signs.simd_ge(zero)
+                                signs.simd_ge(zero).to_bitmask() as u32
                             };
-                            self.block(simd, block, [bx, by], p, inside, depth);
+                            if inside != 0 {
+                                self.block(simd, block, p, inside, depth, counts);
+                            }
                         }
-                        self.work.samples_tested += 8 * P as u64;
+                        counts.blocks_tested += P as u64;
                     }
                 }
-                let cell = (cell_y * CELLS_ACROSS + cell_x) as usize;
-                self.buffers.changed[cell] = self.buffers.changed[cell].saturating_add(1);
             }
         }
     }
 
-    /// Depth test at one position of the samples of a block that are inside the triangle.
+    /// Depth test at one position of those samples of a block that are inside the triangle.
     #[inline(always)]
     fn block<S: Simd, const P: usize>(
         &mut self,
         simd: S,
         block: usize,
-        [bx, by]: [i32; 2],
         p: usize,
-        inside: mask32x8<S>,
+        inside: u32,
         depth: &Depth<S, P>,
+        counts: &mut Counts,
     ) {
-        let covered = inside.to_bitmask() as u32 & u32::from(self.buffers.valid[block]);
-        if covered == 0 {
-            return;
-        }
-        self.work.samples_covered += u64::from(covered.count_ones());
-        let at = depth.at(simd, p, bx * BLOCK[0] as i32, by * BLOCK[1] as i32);
-        let first = (block * P + p) * 8;
-        let stored = F::from_slice(simd, &self.buffers.depth[first..first + 8]);
-        let nearer = inside & at.simd_gt(stored);
-        let ties = (inside & at.simd_eq(stored)).to_bitmask() as u32 & covered;
+        let covered = inside & u32::from(self.buffers.valid[block]);
+        let lanes = mask32x8::from_bitmask(simd, covered.into());
+        counts.samples_covered += u64::from(covered.count_ones());
+        let at = depth.at(simd, p, block);
+        let first = block * P + p;
+        let stored = F::from_slice(simd, &self.buffers.depth[first]);
+        let nearer = lanes & at.simd_gt(stored);
+        let ties = (lanes & at.simd_eq(stored)).to_bitmask() as u32;
         if ties != 0 {
             self.tie(first, ties, depth.place);
         }
-        let seen = nearer.to_bitmask() as u32 & covered;
-        if seen == 0 {
-            return;
-        }
+        // Written whether or not anything changes: which is hard to foresee.
+        let seen = nearer.to_bitmask() as u32;
         // Lanes 0, 1, 4, 5 are one quad of 2 × 2 samples, the others the second.
-        let quads = u64::from(seen & 0x33 != 0) + u64::from(seen & 0xcc != 0);
-        self.work.quads += quads;
+        counts.quads += u64::from(seen & 0x33 != 0) + u64::from(seen & 0xcc != 0);
         nearer
             .select(at, stored)
-            .store_slice(&mut self.buffers.depth[first..first + 8]);
-        let slots = u32x8::from_slice(simd, &self.buffers.slot[first..first + 8]);
+            .store_slice(&mut self.buffers.depth[first]);
+        let slots = u32x8::from_slice(simd, &self.buffers.slot[first]);
         nearer
             .select(depth.slot, slots)
-            .store_slice(&mut self.buffers.slot[first..first + 8]);
+            .store_slice(&mut self.buffers.slot[first]);
+        let cell = CELL_OF[block % BLOCKS] as usize;
+        let changed = &mut self.buffers.changed[cell];
+        *changed = changed.saturating_add(1);
     }
 
     /// Of equal depths, the triangle that comes first in the scene stays.
     #[inline(never)]
     fn tie(&mut self, first: usize, lanes: u32, place: u32) {
         let name = |slot: u32| {
-            let t = self.triangles.get(self.names[slot as usize - 1]);
+            let t = &self.triangles[slot as usize - 1];
             (self.objects[t.object as usize].instance, t.index())
         };
         for lane in (0..8).filter(|lane| lanes >> lane & 1 != 0) {
-            let old = self.buffers.slot[first + lane];
+            let old = self.buffers.slot[first][lane];
             if old != 0 && name(place) < name(old) {
-                self.buffers.slot[first + lane] = place;
+                self.buffers.slot[first][lane] = place;
             }
         }
     }
 }
+
+/// Work done so far, kept in registers.
+#[derive(Default)]
+struct Counts {
+    triangles_occluded: u64,
+    cells_occluded: u64,
+    /// At each position of visibility.
+    blocks_tested: u64,
+    samples_covered: u64,
+    quads: u64,
+}
+
+/// Blocks of a tile.
+const BLOCKS: usize = TILE_SAMPLES / 8;
+
+/// The cell of each block.
+const CELL_OF: [u8; BLOCKS] = {
+    let mut cells = [0; BLOCKS];
+    let mut block = 0;
+    while block < BLOCKS {
+        let x = block as i32 % BLOCKS_ACROSS as i32 * BLOCK[0] as i32;
+        let y = block as i32 / BLOCKS_ACROSS as i32 * BLOCK[1] as i32;
+        cells[block] = (y / CELL * CELLS_ACROSS + x / CELL) as u8;
+        block += 1;
+    }
+    cells
+};
 
 /// Places of a block's samples relative to its first.
 struct Lanes<S: Simd> {
@@ -341,10 +384,9 @@ struct Depth<S: Simd, const P: usize> {
     range: [F<S>; 2],
     slot: u32x8<S>,
     place: u32,
-    offset: [[f32; 2]; P],
     corner: f32,
-    fx: F<S>,
-    fy: F<S>,
+    /// From the first corner to the samples of the tile's first block, at each position.
+    from: [[F<S>; 2]; P],
 }
 
 impl<S: Simd, const P: usize> Depth<S, P> {
@@ -359,29 +401,32 @@ impl<S: Simd, const P: usize> Depth<S, P> {
     ) -> Self {
         let corner = t.corners[0];
         // Exact: multiples of 1/256 below 2¹⁵.
-        let offset = offsets.map(|o| {
-            [0, 1].map(|k| {
-                let from = origin[k] * SUBSAMPLES + SUBSAMPLES / 2 - corner[k] + o[k];
-                from as f32 * (1.0 / SUBSAMPLES as f32)
-            })
-        });
+        let mut from = [[lanes.fx, lanes.fy]; P];
+        for (from, o) in from.iter_mut().zip(offsets) {
+            for k in 0..2 {
+                let shift = origin[k] * SUBSAMPLES + SUBSAMPLES / 2 - corner[k] + o[k];
+                from[k] = from[k] + shift as f32 * (1.0 / SUBSAMPLES as f32);
+            }
+        }
         Self {
             step: [t.depth[1], t.depth[2]],
             range: [splat(simd, t.depth_range[0]), splat(simd, t.depth_range[1])],
             slot: u32x8::splat(simd, place),
             place,
-            offset,
             corner: t.depth[0],
-            fx: lanes.fx,
-            fy: lanes.fy,
+            from,
         }
     }
 
-    /// At position `p` of the block whose first sample is (x, y).
+    /// At position `p` of a block.
     #[inline(always)]
-    fn at(&self, _simd: S, p: usize, x: i32, y: i32) -> F<S> {
-        let dx = self.fx + (self.offset[p][0] + x as f32);
-        let dy = self.fy + (self.offset[p][1] + y as f32);
+    fn at(&self, _simd: S, p: usize, block: usize) -> F<S> {
+        // Exact, as above.
+        let across = BLOCKS_ACROSS as usize;
+        let x = (block % across * BLOCK[0] as usize) as f32;
+        let y = (block / across * BLOCK[1] as usize) as f32;
+        let dx = self.from[p][0] + x;
+        let dy = self.from[p][1] + y;
         let depth = dx * self.step[0] + self.corner + dy * self.step[1];
         // Extrapolated from the snapped corner, a sliver's depth could leave the triangle.
         max(min(depth, self.range[1]), self.range[0])

@@ -5,7 +5,6 @@ use crate::tile::{BLOCK, BLOCKS_ACROSS, SampleTile, TILE, TILE_SAMPLES, TileBuff
 
 /// No triangle: sky.
 pub(crate) const SKY: u32 = u32::MAX;
-const UNSEEN: u32 = u32::MAX - 1;
 /// Not crossed by an edge.
 const WHOLE: u16 = u16::MAX;
 
@@ -36,12 +35,14 @@ pub(crate) struct Bucket {
 pub(crate) struct Fragments {
     /// Sky first, then each material of the scene.
     pub(crate) buckets: Vec<Bucket>,
-    /// The slots of visible triangles, in the order in which they were first met.
+    /// The slots of visible triangles, in the order of slots.
     pub(crate) visible: Vec<u32>,
     /// For each slot, its place in `visible`.
     pub(crate) of_slot: Vec<u32>,
-    /// For each of `visible`, its bucket.
+    /// For each slot, its bucket.
     bucket_of: Vec<u32>,
+    /// For each slot, whether it is visible.
+    seen: Vec<bool>,
     /// Samples crossed by an edge: column and row.
     pub(crate) edges: Vec<[u8; 2]>,
     /// For each sample, its place in `edges`.
@@ -72,6 +73,7 @@ impl Fragments {
             visible: Vec::new(),
             of_slot: Vec::new(),
             bucket_of: Vec::new(),
+            seen: Vec::new(),
             edges: Vec::new(),
             edge_of: vec![WHOLE; TILE_SAMPLES],
         }
@@ -100,16 +102,8 @@ impl Fragments {
         for [x, y] in self.edges.drain(..) {
             self.edge_of[index_of(x.into(), y.into())] = WHOLE;
         }
-        self.visible.clear();
-        self.bucket_of.clear();
-        self.of_slot.clear();
-        self.of_slot.resize(slots + 1, UNSEEN);
-        self.of_slot[0] = SKY;
-        let collector = Collector {
-            buffers,
-            msaa,
-            material,
-        };
+        self.find_visible(buffers, slots, material);
+        let collector = Collector { buffers, msaa };
         for block in 0..buffers.valid.len() {
             if buffers.valid[block] == 0 && rates.0.is_none() {
                 continue;
@@ -136,26 +130,39 @@ impl Fragments {
         }
     }
 
-    /// Notes that a slot is visible; returns its bucket.
-    #[inline(always)]
-    fn see(&mut self, c: &Collector<'_, impl Fn(u32) -> u32>, slot: u32) -> u32 {
-        match self.of_slot[slot as usize] {
-            SKY => 0,
-            UNSEEN => {
-                self.of_slot[slot as usize] = self.visible.len() as u32;
-                self.visible.push(slot);
-                let bucket = (c.material)(slot) + 1;
-                self.bucket_of.push(bucket);
-                bucket
+    /// Finds which of `slots` slots are visible, and their buckets.
+    fn find_visible(
+        &mut self,
+        buffers: &TileBuffers,
+        slots: usize,
+        material: impl Fn(u32) -> u32,
+    ) {
+        // Marks need no branches. Samples that are not drawn were cleared: they show sky.
+        self.seen.clear();
+        self.seen.resize(slots + 1, false);
+        for row in &buffers.slot {
+            for &slot in row {
+                self.seen[slot as usize] = true;
             }
-            place => self.bucket_of[place as usize],
+        }
+        self.visible.clear();
+        self.of_slot.clear();
+        self.of_slot.resize(slots + 1, SKY);
+        self.bucket_of.clear();
+        self.bucket_of.resize(slots + 1, 0);
+        for slot in 1..=slots {
+            if self.seen[slot] {
+                self.of_slot[slot] = self.visible.len() as u32;
+                self.bucket_of[slot] = material(slot as u32) + 1;
+                self.visible.push(slot as u32);
+            }
         }
     }
 
     /// Eight samples, each shaded by itself.
     fn block(
         &mut self,
-        c: &Collector<'_, impl Fn(u32) -> u32>,
+        c: &Collector<'_>,
         block: usize,
         first: UVec2,
         work: &mut Work,
@@ -166,20 +173,11 @@ impl Fragments {
         let (nearest, others) = (&slots[0], &slots[1..]);
         let plain = others.iter().all(|row| row == nearest);
         if plain {
-            // What is not drawn may hold anything, but nothing that is not there.
-            let mut last = nearest[0];
-            let bucket = self.see(c, last);
-            let mut alike = valid == 0xff;
-            // Without a branch for each: most blocks are of one triangle.
-            let differs = nearest.iter().fold(0, |d, slot| d | (slot ^ last));
-            if differs != 0 {
-                for &slot in &nearest[1..] {
-                    if slot != last {
-                        alike &= self.see(c, slot) == bucket;
-                        last = slot;
-                    }
-                }
-            }
+            let bucket = self.bucket_of[nearest[0] as usize];
+            let differ = nearest
+                .iter()
+                .fold(0, |d, slot| d | (self.bucket_of[*slot as usize] ^ bucket));
+            let alike = valid == 0xff && differ == 0;
             if alike {
                 self.buckets[bucket as usize].blocks.push(block as u16);
                 return;
@@ -195,7 +193,7 @@ impl Fragments {
                         size: [1, 1],
                         seen: (1 << positions) - 1,
                     };
-                    let bucket = self.see(c, slot) as usize;
+                    let bucket = self.bucket_of[slot as usize] as usize;
                     self.buckets[bucket].fragments.push(fragment);
                 }
             }
@@ -210,7 +208,7 @@ impl Fragments {
     /// The blocks of coarse shading that begin in a block of samples.
     fn coarse(
         &mut self,
-        c: &Collector<'_, impl Fn(u32) -> u32>,
+        c: &Collector<'_>,
         first: UVec2,
         rate: ShadingRate,
         work: &mut Work,
@@ -226,7 +224,7 @@ impl Fragments {
     /// Everything visible in `size` samples from `first` on: one fragment for each triangle.
     fn group(
         &mut self,
-        c: &Collector<'_, impl Fn(u32) -> u32>,
+        c: &Collector<'_>,
         first: UVec2,
         size: UVec2,
         work: &mut Work,
@@ -266,7 +264,7 @@ impl Fragments {
             }
         }
         for &(slot, seen) in &found[..count] {
-            let bucket = self.see(c, slot) as usize;
+            let bucket = self.bucket_of[slot as usize] as usize;
             self.buckets[bucket].fragments.push(Fragment {
                 triangle: self.of_slot[slot as usize],
                 first: [first.x as u8, first.y as u8],
@@ -278,8 +276,8 @@ impl Fragments {
 }
 
 /// What a tile shows.
-struct Collector<'a, M> {
+#[derive(Clone, Copy)]
+struct Collector<'a> {
     buffers: &'a TileBuffers,
     msaa: Msaa,
-    material: M,
 }

@@ -17,6 +17,10 @@ pub(crate) const CELL: i32 = 8;
 /// Cells along a row of cells.
 pub(crate) const CELLS_ACROSS: i32 = TILE as i32 / CELL;
 
+/// More than the blocks of four cells at four positions each: one more, so that the next may be written
+/// before it is known whether it counts; and a power of two.
+pub(crate) const LIST: usize = 256;
+
 /// A square of samples of one pass, and where they lie on the display: what every kind of visibility
 /// and all shading consume. Which kind of map it is, is asked once per tile, not per sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -94,9 +98,10 @@ pub(crate) struct TileBuffers {
     pub(crate) farthest: [f32; (CELLS_ACROSS * CELLS_ACROSS) as usize],
     /// For each cell, how many triangles have been drawn in it since that bound was found.
     pub(crate) changed: [u8; (CELLS_ACROSS * CELLS_ACROSS) as usize],
-    /// Room for the blocks of four cells, at four positions each; and one more, so that the next may be
-    /// written before it is known whether it counts.
-    pub(crate) found: [u32; 4 * 8 * 4 + 1],
+    /// Room for the blocks that a triangle of few cells covers.
+    pub(crate) found: [u32; LIST],
+    /// Room for those among them where it is as far as what is there.
+    pub(crate) ties: [u32; LIST],
 }
 
 impl TileBuffers {
@@ -108,7 +113,8 @@ impl TileBuffers {
             valid: vec![0xff; TILE_SAMPLES / 8],
             farthest: [0.0; (CELLS_ACROSS * CELLS_ACROSS) as usize],
             changed: [0; (CELLS_ACROSS * CELLS_ACROSS) as usize],
-            found: [0; 4 * 8 * 4 + 1],
+            found: [0; LIST],
+            ties: [0; LIST],
         }
     }
 

@@ -294,7 +294,7 @@ impl ShadeTile<'_, '_> {
             details: self.details,
             // The middle of a sample all of whose positions are covered is covered.
             beside: 0,
-            slots: self.buffers.slot[first],
+            slots: Slots::Block(&self.buffers.slot[first]),
             of_slot: Some(&self.fragments.of_slot),
             coarseness: splat(simd, 1.0),
         }
@@ -333,7 +333,7 @@ impl ShadeTile<'_, '_> {
             triangles: self.triangles,
             details: self.details,
             beside,
-            slots: names,
+            slots: Slots::Own(names),
             of_slot: None,
             coarseness: F::from_slice(simd, &coarseness),
         }
@@ -368,6 +368,22 @@ impl ShadeTile<'_, '_> {
     }
 }
 
+/// What eight lanes see; not copied where it lies side by side.
+enum Slots<'a> {
+    Block(&'a [u32; 8]),
+    Own([u32; 8]),
+}
+
+impl Slots<'_> {
+    #[inline(always)]
+    fn get(&self) -> &[u32; 8] {
+        match self {
+            Self::Block(slots) => slots,
+            Self::Own(slots) => slots,
+        }
+    }
+}
+
 /// Eight places to be shaded.
 struct Eight<'a, S: Simd> {
     lattice: [F<S>; 2],
@@ -380,7 +396,7 @@ struct Eight<'a, S: Simd> {
     /// Lanes whose place may lie outside of their triangle.
     beside: u32,
     /// Which triangle each lane sees: its slot, or its place among the visible.
-    slots: [u32; 8],
+    slots: Slots<'a>,
     /// Place among the visible of each slot.
     of_slot: Option<&'a [u32]>,
     /// Along the longer side, how many samples share the evaluation.
@@ -426,10 +442,11 @@ impl<S: Simd> Eight<'_, S> {
         let needs_details = needs.object || needs.uv || self.beside != 0;
         let beside = mask32x8::from_bitmask(simd, self.beside.into());
         // Neighbours mostly see the same triangle: one round for each that the lanes see.
-        let slots = u32x8::from_slice(simd, &self.slots);
+        let names = self.slots.get();
+        let slots = u32x8::from_slice(simd, names);
         let mut rest = 0xffu32;
         while rest != 0 {
-            let slot = self.slots[rest.trailing_zeros() as usize & 7];
+            let slot = names[rest.trailing_zeros() as usize & 7];
             let here = slots.simd_eq(slot);
             rest &= !(here.to_bitmask() as u32);
             let name = self.of_slot.map_or(slot, |places| places[slot as usize]) as usize;

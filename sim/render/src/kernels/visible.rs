@@ -7,7 +7,7 @@ use crate::msaa::offsets;
 use crate::project::SUBSAMPLES;
 use crate::raster::{Object, SetUpTriangle};
 use crate::tile::{
-    BLOCK, BLOCKS_ACROSS, CELL, CELLS_ACROSS, SampleTile, TILE, TILE_SAMPLES, TileBuffers,
+    BLOCK, BLOCKS_ACROSS, CELL, CELLS_ACROSS, LIST, SampleTile, TILE, TILE_SAMPLES, TileBuffers,
 };
 
 /// A cell's farthest depth is looked up anew after this many blocks in it have been drawn to.
@@ -40,7 +40,66 @@ impl Kernel for RasterizeTile<'_> {
 
 impl RasterizeTile<'_> {
     #[inline(always)]
-    fn draw<S: Simd, const P: usize>(mut self, simd: S, offsets: [[i32; 2]; P]) {
+    fn draw<S: Simd, const P: usize>(self, simd: S, offsets: [[i32; 2]; P]) {
+        let buffers = self.buffers;
+        let mut drawing = Drawing::<P> {
+            triangles: self.triangles,
+            objects: self.objects,
+            skip_occluded: self.skip_occluded,
+            depth: blocks(&mut buffers.depth),
+            slot: blocks(&mut buffers.slot),
+            valid: buffers.valid.as_slice().try_into().expect("a tile of blocks"),
+            farthest: &mut buffers.farthest,
+            changed: &mut buffers.changed,
+            found: &mut buffers.found,
+            ties: &mut buffers.ties,
+            tie_count: 0,
+        };
+        let mut counts = Counts::default();
+        drawing.all(simd, self.tile, &offsets, &mut counts);
+        self.work.triangles_occluded += counts.triangles_occluded;
+        self.work.cells_occluded += counts.cells_occluded;
+        self.work.samples_tested += counts.blocks_tested * 8;
+        self.work.samples_covered += counts.samples_covered;
+        self.work.quads += counts.quads;
+    }
+}
+
+/// The blocks of a tile, `P` positions each: a fixed number, so that no place in them need be checked.
+#[inline(always)]
+fn blocks<T, const P: usize>(rows: &mut [T]) -> &mut [[T; P]; BLOCKS] {
+    let blocks = rows.as_chunks_mut().0;
+    (&mut blocks[..BLOCKS]).try_into().expect("a tile of blocks")
+}
+
+/// A tile being drawn, at `P` positions of visibility per sample.
+struct Drawing<'a, const P: usize> {
+    triangles: &'a [SetUpTriangle],
+    objects: &'a [Object],
+    skip_occluded: bool,
+    depth: &'a mut [[[f32; 8]; P]; BLOCKS],
+    slot: &'a mut [[[u32; 8]; P]; BLOCKS],
+    valid: &'a [u8; BLOCKS],
+    farthest: &'a mut [f32; CELLS],
+    changed: &'a mut [u8; CELLS],
+    found: &'a mut [u32; LIST],
+    /// Blocks where the triangle being drawn is as far as what is there.
+    ties: &'a mut [u32; LIST],
+    tie_count: usize,
+}
+
+/// Cells of a tile.
+const CELLS: usize = (CELLS_ACROSS * CELLS_ACROSS) as usize;
+
+impl<const P: usize> Drawing<'_, P> {
+    #[inline(always)]
+    fn all<S: Simd>(
+        &mut self,
+        simd: S,
+        tile: &SampleTile,
+        offsets: &[[i32; 2]; P],
+        counts: &mut Counts,
+    ) {
         let lane_x = i32x8::from_slice(simd, &[0, 1, 2, 3, 0, 1, 2, 3]);
         let lane_y = i32x8::from_slice(simd, &[0, 0, 0, 0, 1, 1, 1, 1]);
         let lanes = Lanes {
@@ -49,9 +108,8 @@ impl RasterizeTile<'_> {
             fx: lane_x.to_float(),
             fy: lane_y.to_float(),
         };
-        let mut counts = Counts::default();
-        let origin = [self.tile.origin.x as i32, self.tile.origin.y as i32];
-        let last = [self.tile.size.x as i32 - 1, self.tile.size.y as i32 - 1];
+        let origin = [tile.origin.x as i32, tile.origin.y as i32];
+        let last = [tile.size.x as i32 - 1, tile.size.y as i32 - 1];
         for (t, place) in self.triangles.iter().zip(1..) {
             let [x0, y0] = two(
                 #[inline(always)]
@@ -64,9 +122,9 @@ impl RasterizeTile<'_> {
             let cells = [[x0 / CELL, x1 / CELL], [y0 / CELL, y1 / CELL]];
             let across = cells[0][1] - cells[0][0] + 1;
             let down = cells[1][1] - cells[1][0] + 1;
-            let depth = Depth::<S, P>::new(simd, t, origin, &offsets, &lanes, place);
+            let depth = Depth::<S, P>::new(simd, t, origin, offsets, &lanes, place);
             if t.is_small && across * down <= 4 {
-                if self.skip_occluded && self.hidden(simd, cells, t.depth_range[1], P) {
+                if self.skip_occluded && self.hidden(simd, cells, t.depth_range[1]) {
                     counts.triangles_occluded += 1;
                     continue;
                 }
@@ -76,10 +134,10 @@ impl RasterizeTile<'_> {
                     t,
                     &depth,
                     origin,
-                    &offsets,
+                    offsets,
                     &lanes,
                     blocks,
-                    &mut counts,
+                    counts,
                 );
             } else {
                 let bounds = [[x0, x1], [y0, y1]];
@@ -88,18 +146,13 @@ impl RasterizeTile<'_> {
                     t,
                     &depth,
                     origin,
-                    &offsets,
+                    offsets,
                     &lanes,
                     bounds,
-                    &mut counts,
+                    counts,
                 );
             }
         }
-        self.work.triangles_occluded += counts.triangles_occluded;
-        self.work.cells_occluded += counts.cells_occluded;
-        self.work.samples_tested += counts.blocks_tested * 8;
-        self.work.samples_covered += counts.samples_covered;
-        self.work.quads += counts.quads;
     }
 
     /// Whether all that the cells show is nearer than `nearest` 1/w.
@@ -109,20 +162,19 @@ impl RasterizeTile<'_> {
         simd: S,
         cells: [[i32; 2]; 2],
         nearest: f32,
-        positions: usize,
     ) -> bool {
         for cy in cells[1][0]..=cells[1][1] {
             for cx in cells[0][0]..=cells[0][1] {
-                let cell = (cy * CELLS_ACROSS + cx) as usize;
-                if nearest < self.buffers.farthest[cell] {
+                let cell = (cy * CELLS_ACROSS + cx) as usize % CELLS;
+                if nearest < self.farthest[cell] {
                     continue;
                 }
-                if self.buffers.changed[cell] < STALE {
+                if self.changed[cell] < STALE {
                     return false;
                 }
-                self.buffers.changed[cell] = 0;
-                self.buffers.farthest[cell] = self.farthest(simd, [cx, cy], positions);
-                if nearest >= self.buffers.farthest[cell] {
+                self.changed[cell] = 0;
+                self.farthest[cell] = self.least(simd, [cx, cy]);
+                if nearest >= self.farthest[cell] {
                     return false;
                 }
             }
@@ -132,17 +184,21 @@ impl RasterizeTile<'_> {
 
     /// Least 1/w of a cell.
     #[inline(always)]
-    fn farthest<S: Simd>(&self, simd: S, [cx, cy]: [i32; 2], positions: usize) -> f32 {
+    fn least<S: Simd>(&self, simd: S, [cx, cy]: [i32; 2]) -> f32 {
         let mut least = splat(simd, f32::MAX);
         for by in cy * CELL / 2..(cy + 1) * CELL / 2 {
             let first = by as usize * BLOCKS_ACROSS as usize + (cx * CELL / 4) as usize;
             // The two blocks of a cell's row lie side by side.
-            let range = first * positions..(first + 2) * positions;
-            for (k, depth) in self.buffers.depth[range].iter().enumerate() {
-                if self.buffers.valid[first + k / positions] == 0xff {
-                    least = min(F::from_slice(simd, depth), least);
-                } else if self.buffers.valid[first + k / positions] != 0 {
-                    return 0.0;
+            for block in first..first + 2 {
+                let block = block % BLOCKS;
+                match self.valid[block] {
+                    0xff => {
+                        for depth in &self.depth[block] {
+                            least = min(F::from_slice(simd, depth), least);
+                        }
+                    }
+                    0 => {}
+                    _ => return 0.0,
                 }
             }
         }
@@ -154,7 +210,7 @@ impl RasterizeTile<'_> {
 
     /// A triangle of a few cells: all blocks of its bounds are tested.
     #[inline(always)]
-    fn small<S: Simd, const P: usize>(
+    fn small<S: Simd>(
         &mut self,
         simd: S,
         t: &SetUpTriangle,
@@ -199,7 +255,7 @@ impl RasterizeTile<'_> {
             for p in 0..P {
                 let signs = values[0][p] | values[1][p] | values[2][p];
                 let inside = signs.simd_ge(zero).to_bitmask() as u32;
-                self.buffers.found[count] = inside | (p as u32) << 8 | (block as u32) << 16;
+                self.found[count % LIST] = inside | (p as u32) << 8 | (block as u32) << 16;
                 count += usize::from(inside != 0);
             }
             let wraps = left == 0;
@@ -214,16 +270,17 @@ impl RasterizeTile<'_> {
             left = if wraps { back } else { left - 1 };
         }
         for k in 0..count {
-            let name = self.buffers.found[k];
+            let name = self.found[k % LIST];
             let (inside, p, block) = (name & 0xff, name as usize >> 8 & 3, name as usize >> 16);
             self.block(simd, block, p, inside, depth, counts);
         }
+        self.settle(depth.place);
         counts.blocks_tested += blocks as u64 * P as u64;
     }
 
     /// Any triangle: cell by cell.
     #[inline(always)]
-    fn large<S: Simd, const P: usize>(
+    fn large<S: Simd>(
         &mut self,
         simd: S,
         t: &SetUpTriangle,
@@ -260,7 +317,7 @@ impl RasterizeTile<'_> {
                     continue;
                 }
                 let here = [[cell_x; 2], [cell_y; 2]];
-                if self.skip_occluded && self.hidden(simd, here, t.depth_range[1], P) {
+                if self.skip_occluded && self.hidden(simd, here, t.depth_range[1]) {
                     counts.cells_occluded += 1;
                     continue;
                 }
@@ -285,13 +342,14 @@ impl RasterizeTile<'_> {
                         counts.blocks_tested += P as u64;
                     }
                 }
+                self.settle(depth.place);
             }
         }
     }
 
     /// Depth test at one position of those samples of a block that are inside the triangle.
     #[inline(always)]
-    fn block<S: Simd, const P: usize>(
+    fn block<S: Simd>(
         &mut self,
         simd: S,
         block: usize,
@@ -300,44 +358,61 @@ impl RasterizeTile<'_> {
         depth: &Depth<S, P>,
         counts: &mut Counts,
     ) {
-        let covered = inside & u32::from(self.buffers.valid[block]);
+        let (block, p) = (block % BLOCKS, p % P);
+        let covered = inside & u32::from(self.valid[block]);
         let lanes = mask32x8::from_bitmask(simd, covered.into());
         counts.samples_covered += u64::from(covered.count_ones());
         let at = depth.at(simd, p, block);
-        let first = block * P + p;
-        let stored = F::from_slice(simd, &self.buffers.depth[first]);
+        let stored = F::from_slice(simd, &self.depth[block][p]);
         let nearer = lanes & at.simd_gt(stored);
         let ties = (lanes & at.simd_eq(stored)).to_bitmask() as u32;
-        if ties != 0 {
-            self.tie(first, ties, depth.place);
-        }
+        self.ties[self.tie_count % LIST] = ties | (p as u32) << 8 | (block as u32) << 16;
+        self.tie_count += usize::from(ties != 0);
         // Written whether or not anything changes: which is hard to foresee.
         let seen = nearer.to_bitmask() as u32;
         // Lanes 0, 1, 4, 5 are one quad of 2 × 2 samples, the others the second.
         counts.quads += u64::from(seen & 0x33 != 0) + u64::from(seen & 0xcc != 0);
         nearer
             .select(at, stored)
-            .store_slice(&mut self.buffers.depth[first]);
-        let slots = u32x8::from_slice(simd, &self.buffers.slot[first]);
+            .store_slice(&mut self.depth[block][p]);
+        let slots = u32x8::from_slice(simd, &self.slot[block][p]);
         nearer
             .select(depth.slot, slots)
-            .store_slice(&mut self.buffers.slot[first]);
-        let cell = CELL_OF[block % BLOCKS] as usize;
-        let changed = &mut self.buffers.changed[cell];
+            .store_slice(&mut self.slot[block][p]);
+        let changed = &mut self.changed[CELL_OF[block] as usize % CELLS];
         *changed = changed.saturating_add(1);
     }
 
-    /// Of equal depths, the triangle that comes first in the scene stays.
-    #[inline(never)]
-    fn tie(&mut self, first: usize, lanes: u32, place: u32) {
-        let name = |slot: u32| {
-            let t = &self.triangles[slot as usize - 1];
-            (self.objects[t.object as usize].instance, t.index())
-        };
+    /// Settles the ties of the triangle in slot `place`.
+    #[inline(always)]
+    fn settle(&mut self, place: u32) {
+        if self.tie_count > 0 {
+            let ties = &self.ties[..self.tie_count.min(LIST)];
+            break_ties(self.slot, ties, place, self.triangles, self.objects);
+            self.tie_count = 0;
+        }
+    }
+}
+
+/// Of equal depths, the triangle that comes first in the scene stays.
+#[inline(never)]
+fn break_ties<const P: usize>(
+    slots: &mut [[[u32; 8]; P]; BLOCKS],
+    ties: &[u32],
+    place: u32,
+    triangles: &[SetUpTriangle],
+    objects: &[Object],
+) {
+    let name = |slot: u32| {
+        let t = &triangles[slot as usize - 1];
+        (objects[t.object as usize].instance, t.index())
+    };
+    for tie in ties {
+        let (lanes, p, block) = (tie & 0xff, *tie as usize >> 8 & 3, *tie as usize >> 16);
         for lane in (0..8).filter(|lane| lanes >> lane & 1 != 0) {
-            let old = self.buffers.slot[first][lane];
-            if old != 0 && name(place) < name(old) {
-                self.buffers.slot[first][lane] = place;
+            let slot = &mut slots[block][p][lane];
+            if *slot != 0 && name(place) < name(*slot) {
+                *slot = place;
             }
         }
     }

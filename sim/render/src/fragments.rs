@@ -43,6 +43,8 @@ pub(crate) struct Fragments {
     bucket_of: Vec<u32>,
     /// For each slot, whether it is visible.
     seen: Vec<bool>,
+    /// The bucket of all that is visible, if it is one.
+    only: Option<u32>,
     /// Samples crossed by an edge: column and row.
     pub(crate) edges: Vec<[u8; 2]>,
     /// For each sample, its place in `edges`.
@@ -74,6 +76,7 @@ impl Fragments {
             of_slot: Vec::new(),
             bucket_of: Vec::new(),
             seen: Vec::new(),
+            only: None,
             edges: Vec::new(),
             edge_of: vec![WHOLE; TILE_SAMPLES],
         }
@@ -131,12 +134,7 @@ impl Fragments {
     }
 
     /// Finds which of `slots` slots are visible, and their buckets.
-    fn find_visible(
-        &mut self,
-        buffers: &TileBuffers,
-        slots: usize,
-        material: impl Fn(u32) -> u32,
-    ) {
+    fn find_visible(&mut self, buffers: &TileBuffers, slots: usize, material: impl Fn(u32) -> u32) {
         // Marks need no branches. Samples that are not drawn were cleared: they show sky.
         self.seen.clear();
         self.seen.resize(slots + 1, false);
@@ -157,26 +155,35 @@ impl Fragments {
                 self.visible.push(slot as u32);
             }
         }
+        let buckets = self
+            .visible
+            .iter()
+            .map(|slot| self.bucket_of[*slot as usize]);
+        let first = if self.seen[0] {
+            0
+        } else {
+            self.visible
+                .first()
+                .map_or(0, |slot| self.bucket_of[*slot as usize])
+        };
+        self.only = buckets.into_iter().all(|b| b == first).then_some(first);
     }
 
     /// Eight samples, each shaded by itself.
-    fn block(
-        &mut self,
-        c: &Collector<'_>,
-        block: usize,
-        first: UVec2,
-        work: &mut Work,
-    ) {
+    fn block(&mut self, c: &Collector<'_>, block: usize, first: UVec2, work: &mut Work) {
         let positions = c.msaa.positions() as usize;
         let valid = c.buffers.valid[block];
         let slots = &c.buffers.slot[block * positions..(block + 1) * positions];
         let (nearest, others) = (&slots[0], &slots[1..]);
         let plain = others.iter().all(|row| row == nearest);
         if plain {
-            let bucket = self.bucket_of[nearest[0] as usize];
-            let differ = nearest
-                .iter()
-                .fold(0, |d, slot| d | (self.bucket_of[*slot as usize] ^ bucket));
+            let bucket = self.only.unwrap_or(self.bucket_of[nearest[0] as usize]);
+            let differ = match self.only {
+                Some(_) => 0,
+                None => nearest
+                    .iter()
+                    .fold(0, |d, slot| d | (self.bucket_of[*slot as usize] ^ bucket)),
+            };
             let alike = valid == 0xff && differ == 0;
             if alike {
                 self.buckets[bucket as usize].blocks.push(block as u16);
@@ -206,13 +213,7 @@ impl Fragments {
     }
 
     /// The blocks of coarse shading that begin in a block of samples.
-    fn coarse(
-        &mut self,
-        c: &Collector<'_>,
-        first: UVec2,
-        rate: ShadingRate,
-        work: &mut Work,
-    ) {
+    fn coarse(&mut self, c: &Collector<'_>, first: UVec2, rate: ShadingRate, work: &mut Work) {
         let size = UVec2::new(rate.x, rate.y);
         for y in (first.y..first.y + BLOCK[1]).filter(|y| y % rate.y == 0) {
             for x in (first.x..first.x + BLOCK[0]).filter(|x| x % rate.x == 0) {
@@ -222,13 +223,7 @@ impl Fragments {
     }
 
     /// Everything visible in `size` samples from `first` on: one fragment for each triangle.
-    fn group(
-        &mut self,
-        c: &Collector<'_>,
-        first: UVec2,
-        size: UVec2,
-        work: &mut Work,
-    ) {
+    fn group(&mut self, c: &Collector<'_>, first: UVec2, size: UVec2, work: &mut Work) {
         let positions = c.msaa.positions() as usize;
         // At most 16 samples of 4 positions.
         let (mut found, mut count) = ([(0u32, 0u64); 64], 0);

@@ -50,7 +50,33 @@ pub fn render(
     plan: &SamplePlan,
     options: &RenderOptions,
 ) -> Result<Frame, RenderError> {
+    render_into(
+        scene,
+        view,
+        plan,
+        options,
+        Image::filled(UVec2::ZERO, [0.0; 3]),
+    )
+}
+
+/// As [`render`], in the memory of `spare` where that fits: an image that is no longer needed, of whatever
+/// content. Frame after frame, this saves getting and clearing memory; the frames are the same.
+///
+/// # Errors
+/// As [`render`].
+pub fn render_into(
+    scene: &Scene,
+    view: &View,
+    plan: &SamplePlan,
+    options: &RenderOptions,
+    spare: Image,
+) -> Result<Frame, RenderError> {
     check(view, plan, options)?;
+    // Samples of the one pass become the image; of several, they only go into it.
+    let mut spare = match plan.resolve {
+        Resolve::Direct => spare.rgb,
+        _ => Vec::new(),
+    };
     let count = plan.passes.len();
     let objects: Vec<_> = (0..count)
         .map(|k| PassObjects::of(scene, view, plan, k, options))
@@ -70,7 +96,8 @@ pub fn render(
                 &own
             }
         };
-        let (image, mut work) = pass::draw(scene, view, plan, k, geometry, objects, options);
+        let spare = std::mem::take(&mut spare);
+        let (image, mut work) = pass::draw(scene, view, plan, k, geometry, objects, options, spare);
         if shared.is_none() {
             work += geometry.work;
         }

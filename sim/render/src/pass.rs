@@ -1,5 +1,5 @@
 use foveasim_assets::Scene;
-use foveasim_models::{Image, Map, Msaa, Pass, SamplePlan, View, Visibility, Work};
+use foveasim_models::{Image, Map, Msaa, Pass, Region, SamplePlan, View, Visibility, Work};
 use glam::UVec2;
 use rayon::prelude::*;
 
@@ -9,7 +9,8 @@ use crate::live::{Live, grid};
 use crate::msaa::offsets;
 use crate::project::Projection;
 use crate::raster::{
-    Needs, PassTriangles, SetUp, SetUpTriangle, ViewGeometry, attributes, details, set_up,
+    EyeVertex, Needs, PassTriangles, SetUp, SetUpTriangle, ViewGeometry, attributes, details,
+    set_up, vertices,
 };
 use crate::tile::{SampleTile, TILE, TILE_SAMPLES, TileBuffers, position_of, sampled};
 use crate::visible::PassObjects;
@@ -75,7 +76,8 @@ pub fn visibility(
     Ok(surfels)
 }
 
-/// Draws pass `index` of a plan: the colour of each of its samples, and the work it took.
+/// Draws pass `index` of a plan: the colour of each of its samples, and the work it took. `spare` is memory
+/// to use for the image.
 pub(crate) fn draw(
     scene: &Scene,
     view: &View,
@@ -84,10 +86,11 @@ pub(crate) fn draw(
     geometry: &ViewGeometry,
     objects: &PassObjects,
     options: &RenderOptions,
+    spare: Vec<[f32; 3]>,
 ) -> (Image, Work) {
     let pass = &plan.passes[index];
     let size = grid(pass);
-    let mut image = Image::filled(size, [0.0; 3]);
+    let mut image = blank(size, pass.region == Region::All, spare);
     if size.x == 0 || size.y == 0 {
         return (image, Work::default());
     }
@@ -121,6 +124,21 @@ pub(crate) fn draw(
     (image, work)
 }
 
+/// An image to draw into, if possible in the memory of one no longer needed. What that holds stays where
+/// everything is drawn anyway; else it is black, which costs as much as a tenth of drawing simple scenes.
+fn blank(size: UVec2, all_drawn: bool, mut spare: Vec<[f32; 3]>) -> Image {
+    let samples = size.x as usize * size.y as usize;
+    if all_drawn && spare.len() == samples {
+        return Image { size, rgb: spare };
+    }
+    if spare.capacity() < samples {
+        return Image::filled(size, [0.0; 3]);
+    }
+    spare.clear();
+    spare.resize(samples, [0.0; 3]);
+    Image { size, rgb: spare }
+}
+
 /// Column and row of each tile, row by row.
 fn tiles(size: UVec2) -> impl Iterator<Item = (u32, u32)> {
     let across = size.x.div_ceil(TILE);
@@ -150,6 +168,8 @@ struct Scratch {
     /// Those that meet the tile.
     triangles: Vec<SetUpTriangle>,
     fragments: Fragments,
+    /// Vertices of those that are visible.
+    corners: Vec<[EyeVertex; 3]>,
     attributes: Vec<Attributes>,
     details: Vec<Details>,
     edges: Vec<[[f32; 3]; 4]>,
@@ -161,6 +181,7 @@ impl Scratch {
             buffers: TileBuffers::new(drawing.msaa.positions() as usize),
             triangles: Vec::new(),
             fragments: Fragments::new(drawing.scene.materials().len()),
+            corners: Vec::new(),
             attributes: Vec::new(),
             details: Vec::new(),
             edges: Vec::new(),
@@ -245,7 +266,8 @@ impl<'a> Drawing<'a> {
             return false;
         }
         let place = tile.origin / TILE;
-        self.triangles.tile(place.x, place.y, &mut scratch.triangles);
+        self.triangles
+            .tile(place.x, place.y, &mut scratch.triangles);
         let kernel = RasterizeTile {
             tile,
             triangles: &scratch.triangles,
@@ -279,6 +301,7 @@ impl<'a> Drawing<'a> {
             buffers,
             triangles,
             fragments,
+            corners,
             attributes: prepared,
             details: detailed,
             edges,
@@ -294,17 +317,31 @@ impl<'a> Drawing<'a> {
         );
         let visible = fragments.visible.iter();
         let visible = visible.map(|&slot| &triangles[slot as usize - 1]);
+        corners.clear();
+        corners.extend(
+            visible
+                .clone()
+                .map(|t| vertices(self.scene, self.geometry, t)),
+        );
+        let visible = visible.zip(corners.iter());
         prepared.clear();
         prepared.extend(
             visible
                 .clone()
-                .map(|t| attributes(self.scene, self.geometry, t, &self.projection)),
+                .map(|(t, vertices)| attributes(t, vertices, &self.projection)),
         );
         detailed.clear();
         if self.has_details {
-            detailed.extend(visible.map(|t| {
+            detailed.extend(visible.map(|(t, vertices)| {
                 let needs = self.needs[self.material(t)];
-                details(self.scene, self.geometry, t, &self.projection, needs)
+                details(
+                    self.scene,
+                    self.geometry,
+                    t,
+                    vertices,
+                    &self.projection,
+                    needs,
+                )
             }));
         }
         edges.clear();

@@ -100,8 +100,6 @@ pub(crate) struct TileBuffers {
     pub(crate) changed: [u8; (CELLS_ACROSS * CELLS_ACROSS) as usize],
     /// Room for the blocks that a triangle of few cells covers.
     pub(crate) found: [u32; LIST],
-    /// Room for those among them where it is as far as what is there.
-    pub(crate) ties: [u32; LIST],
 }
 
 impl TileBuffers {
@@ -114,7 +112,6 @@ impl TileBuffers {
             farthest: [0.0; (CELLS_ACROSS * CELLS_ACROSS) as usize],
             changed: [0; (CELLS_ACROSS * CELLS_ACROSS) as usize],
             found: [0; LIST],
-            ties: [0; LIST],
         }
     }
 

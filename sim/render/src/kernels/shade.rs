@@ -226,6 +226,7 @@ impl ShadeTile<'_, '_> {
         // Blocks first, then single fragments, in one loop: shading is compiled once.
         let bucket = &self.fragments.buckets[self.bucket];
         let steps = bucket.blocks.len() + bucket.fragments.len().div_ceil(8);
+        let mut loose = Loose::default();
         for step in 0..steps {
             let block = bucket.blocks.get(step).copied();
             let fragments = match block {
@@ -236,8 +237,8 @@ impl ShadeTile<'_, '_> {
                 }
             };
             let eight = match block {
-                Some(block) => self.block(simd, block, &display),
-                None => self.fragments(simd, fragments, &display),
+                Some(block) => self.block(simd, block, &display, &mut loose),
+                None => self.fragments(simd, fragments, &display, &mut loose),
             };
             let colour = shade(&eight);
             let zero = splat(simd, 0.0);
@@ -274,6 +275,7 @@ impl ShadeTile<'_, '_> {
         simd: S,
         block: u16,
         display: &'e [[f32; 2]; 2],
+        loose: &'e mut Loose,
     ) -> Eight<'e, S> {
         let [px, py] = position_of(block as usize * 8);
         let x = (self.tile.origin.x + px) as f32;
@@ -285,16 +287,31 @@ impl ShadeTile<'_, '_> {
             F::from_slice(simd, &lanes_y) + y,
         ];
         let first = block as usize * self.msaa.positions() as usize;
+        let slots = &self.buffers.slot[first];
+        let inverse_w = if self.msaa == Msaa::One {
+            &self.buffers.depth[first]
+        } else {
+            loose.names = *slots;
+            if self.bucket != 0 {
+                for name in &mut loose.names {
+                    *name = self.fragments.of_slot[*name as usize];
+                }
+            }
+            loose.find_depth(
+                [lattice[0].to_array(), lattice[1].to_array()],
+                self.triangles,
+            );
+            &loose.inverse_w
+        };
         Eight {
             lattice,
             display,
-            inverse_w: (self.msaa == Msaa::One)
-                .then(|| F::from_slice(simd, &self.buffers.depth[first])),
+            inverse_w: F::from_slice(simd, inverse_w),
             triangles: self.triangles,
             details: self.details,
             // The middle of a sample all of whose positions are covered is covered.
             beside: 0,
-            slots: Slots::Block(&self.buffers.slot[first]),
+            slots,
             of_slot: Some(&self.fragments.of_slot),
             coarseness: splat(simd, 1.0),
         }
@@ -307,9 +324,10 @@ impl ShadeTile<'_, '_> {
         simd: S,
         fragments: &[Fragment],
         display: &'e [[f32; 2]; 2],
+        loose: &'e mut Loose,
     ) -> Eight<'e, S> {
         let (mut x, mut y, mut coarseness) = ([0.0; 8], [0.0; 8], [1.0; 8]);
-        let (mut names, mut beside) = ([0; 8], 0);
+        let mut beside = 0;
         let every = (1u64 << self.msaa.positions()) - 1;
         for i in 0..8 {
             // Eight that are not full repeat their last.
@@ -319,21 +337,23 @@ impl ShadeTile<'_, '_> {
             x[i] = (self.tile.origin.x + px) as f32 + 0.5 * width;
             y[i] = (self.tile.origin.y + py) as f32 + 0.5 * height;
             coarseness[i] = if width > height { width } else { height };
-            if fragment.triangle != SKY {
-                names[i] = fragment.triangle;
-            }
+            loose.names[i] = match fragment.triangle {
+                SKY => 0,
+                name => name,
+            };
             if fragment.size != [1, 1] || fragment.seen != every {
                 beside |= 1 << i;
             }
         }
+        loose.find_depth([x, y], self.triangles);
         Eight {
             lattice: [F::from_slice(simd, &x), F::from_slice(simd, &y)],
             display,
-            inverse_w: None,
+            inverse_w: F::from_slice(simd, &loose.inverse_w),
             triangles: self.triangles,
             details: self.details,
             beside,
-            slots: Slots::Own(names),
+            slots: &loose.names,
             of_slot: None,
             coarseness: F::from_slice(simd, &coarseness),
         }
@@ -368,18 +388,29 @@ impl ShadeTile<'_, '_> {
     }
 }
 
-/// What eight lanes see; not copied where it lies side by side.
-enum Slots<'a> {
-    Block(&'a [u32; 8]),
-    Own([u32; 8]),
+/// Room for what lies side by side of blocks, but not of fragments.
+#[derive(Default)]
+struct Loose {
+    /// Places among the visible triangles.
+    names: [u32; 8],
+    inverse_w: [f32; 8],
 }
 
-impl Slots<'_> {
+impl Loose {
+    /// The depth at lattice positions, as the depth test has it, to the bit; 1 where there is nothing.
     #[inline(always)]
-    fn get(&self) -> &[u32; 8] {
-        match self {
-            Self::Block(slots) => slots,
-            Self::Own(slots) => slots,
+    fn find_depth(&mut self, [x, y]: [[f32; 8]; 2], triangles: &[Attributes]) {
+        for lane in 0..8 {
+            let Some(Attributes(a)) = triangles.get(self.names[lane] as usize) else {
+                self.inverse_w[lane] = 1.0;
+                continue;
+            };
+            let dx = x[lane] - a[Attributes::CORNER];
+            let dy = y[lane] - a[Attributes::CORNER + 1];
+            let [at, step_x, step_y, low, high] = std::array::from_fn(|k| a[Attributes::DEPTH + k]);
+            let depth = dx * step_x + at + dy * step_y;
+            let depth = if depth < high { depth } else { high };
+            self.inverse_w[lane] = if depth > low { depth } else { low };
         }
     }
 }
@@ -389,14 +420,14 @@ struct Eight<'a, S: Simd> {
     lattice: [F<S>; 2],
     /// Scale and shift from lattice to display pixels, for x and y.
     display: &'a [[f32; 2]; 2],
-    /// 1/w where the depth test left it; else that of the triangle's plane.
-    inverse_w: Option<F<S>>,
+    /// 1/w, as the depth test has it.
+    inverse_w: F<S>,
     triangles: &'a [Attributes],
     details: &'a [Details],
     /// Lanes whose place may lie outside of their triangle.
     beside: u32,
     /// Which triangle each lane sees: its slot, or its place among the visible.
-    slots: Slots<'a>,
+    slots: &'a [u32; 8],
     /// Place among the visible of each slot.
     of_slot: Option<&'a [u32]>,
     /// Along the longer side, how many samples share the evaluation.
@@ -436,30 +467,22 @@ impl<S: Simd> Eight<'_, S> {
     #[inline(always)]
     fn hit_inline(&self, c: &ShadeContext<'_>, simd: S, needs: Needs) -> Hit<S> {
         let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
-        let mut inverse_w = self.inverse_w.unwrap_or(one);
+        let w = one / self.inverse_w;
         let (mut normal, mut object) = (V3::splat(simd, [0.0; 3]), V3::splat(simd, [0.0; 3]));
         let (mut uv, mut per_metre) = ([zero; 2], [zero; 2]);
         let needs_details = needs.object || needs.uv || self.beside != 0;
         let beside = mask32x8::from_bitmask(simd, self.beside.into());
         // Neighbours mostly see the same triangle: one round for each that the lanes see.
-        let names = self.slots.get();
-        let slots = u32x8::from_slice(simd, names);
+        let slots = u32x8::from_slice(simd, self.slots);
         let mut rest = 0xffu32;
         while rest != 0 {
-            let slot = names[rest.trailing_zeros() as usize & 7];
+            let slot = self.slots[rest.trailing_zeros() as usize & 7];
             let here = slots.simd_eq(slot);
             rest &= !(here.to_bitmask() as u32);
             let name = self.of_slot.map_or(slot, |places| places[slot as usize]) as usize;
             let a = &self.triangles[name].0;
             let dx = self.lattice[0] - a[Attributes::CORNER];
             let dy = self.lattice[1] - a[Attributes::CORNER + 1];
-            if self.inverse_w.is_none() {
-                // As the depth test has it, to the bit.
-                let d = Attributes::DEPTH;
-                let depth = plane(a, d, 1, dx, dy);
-                let depth = max(min(depth, splat(simd, a[d + 4])), splat(simd, a[d + 3]));
-                inverse_w = here.select(depth, inverse_w);
-            }
             let over_w = V3 {
                 x: plane(a, Attributes::NORMAL, 3, dx, dy),
                 y: plane(a, Attributes::NORMAL + 1, 3, dx, dy),
@@ -470,7 +493,6 @@ impl<S: Simd> Eight<'_, S> {
                 continue;
             }
             let a = &self.details[name].0;
-            let w = one / inverse_w;
             let weight = Details::WEIGHTS;
             let second = plane(a, weight, 1, dx, dy) * w;
             let third = plane(a, weight + 3, 1, dx, dy) * w;
@@ -484,15 +506,14 @@ impl<S: Simd> Eight<'_, S> {
                 per_metre[0] = here.select(splat(simd, a[Details::PER_METRE]), per_metre[0]);
             }
             if needs.uv {
-                for k in 0..2 {
+                for (k, uv) in uv.iter_mut().enumerate() {
                     let value = blend(a, Details::UV + k, 2, second, third);
-                    uv[k] = here.select(value, uv[k]);
+                    *uv = here.select(value, *uv);
                 }
                 let scale = splat(simd, a[Details::PER_METRE + 1]);
                 per_metre[1] = here.select(scale, per_metre[1]);
             }
         }
-        let w = one / inverse_w;
         let (direction, angle) = self.ray(c);
         let world = V3::splat(simd, c.eye).add(direction.scale(w));
         let normal = normal.normalize();

@@ -48,12 +48,14 @@ impl RasterizeTile<'_> {
             skip_occluded: self.skip_occluded,
             depth: blocks(&mut buffers.depth),
             slot: blocks(&mut buffers.slot),
-            valid: buffers.valid.as_slice().try_into().expect("a tile of blocks"),
+            valid: buffers
+                .valid
+                .as_slice()
+                .try_into()
+                .expect("a tile of blocks"),
             farthest: &mut buffers.farthest,
             changed: &mut buffers.changed,
             found: &mut buffers.found,
-            ties: &mut buffers.ties,
-            tie_count: 0,
         };
         let mut counts = Counts::default();
         drawing.all(simd, self.tile, &offsets, &mut counts);
@@ -69,7 +71,9 @@ impl RasterizeTile<'_> {
 #[inline(always)]
 fn blocks<T, const P: usize>(rows: &mut [T]) -> &mut [[T; P]; BLOCKS] {
     let blocks = rows.as_chunks_mut().0;
-    (&mut blocks[..BLOCKS]).try_into().expect("a tile of blocks")
+    (&mut blocks[..BLOCKS])
+        .try_into()
+        .expect("a tile of blocks")
 }
 
 /// A tile being drawn, at `P` positions of visibility per sample.
@@ -83,9 +87,6 @@ struct Drawing<'a, const P: usize> {
     farthest: &'a mut [f32; CELLS],
     changed: &'a mut [u8; CELLS],
     found: &'a mut [u32; LIST],
-    /// Blocks where the triangle being drawn is as far as what is there.
-    ties: &'a mut [u32; LIST],
-    tie_count: usize,
 }
 
 /// Cells of a tile.
@@ -129,40 +130,17 @@ impl<const P: usize> Drawing<'_, P> {
                     continue;
                 }
                 let blocks = [[x0 / 4, x1 / 4], [y0 / 2, y1 / 2]];
-                self.small(
-                    simd,
-                    t,
-                    &depth,
-                    origin,
-                    offsets,
-                    &lanes,
-                    blocks,
-                    counts,
-                );
+                self.small(simd, t, &depth, origin, offsets, &lanes, blocks, counts);
             } else {
                 let bounds = [[x0, x1], [y0, y1]];
-                self.large(
-                    simd,
-                    t,
-                    &depth,
-                    origin,
-                    offsets,
-                    &lanes,
-                    bounds,
-                    counts,
-                );
+                self.large(simd, t, &depth, origin, offsets, &lanes, bounds, counts);
             }
         }
     }
 
     /// Whether all that the cells show is nearer than `nearest` 1/w.
     #[inline(always)]
-    fn hidden<S: Simd>(
-        &mut self,
-        simd: S,
-        cells: [[i32; 2]; 2],
-        nearest: f32,
-    ) -> bool {
+    fn hidden<S: Simd>(&mut self, simd: S, cells: [[i32; 2]; 2], nearest: f32) -> bool {
         for cy in cells[1][0]..=cells[1][1] {
             for cx in cells[0][0]..=cells[0][1] {
                 let cell = (cy * CELLS_ACROSS + cx) as usize % CELLS;
@@ -252,8 +230,9 @@ impl<const P: usize> Drawing<'_, P> {
         let mut left = bx1 - bx0;
         let mut count = 0;
         for _ in 0..blocks {
-            for p in 0..P {
-                let signs = values[0][p] | values[1][p] | values[2][p];
+            let [first, second, third] = &values;
+            for (p, ((a, b), c)) in first.iter().zip(second).zip(third).enumerate() {
+                let signs = *a | *b | *c;
                 let inside = signs.simd_ge(zero).to_bitmask() as u32;
                 self.found[count % LIST] = inside | (p as u32) << 8 | (block as u32) << 16;
                 count += usize::from(inside != 0);
@@ -262,19 +241,18 @@ impl<const P: usize> Drawing<'_, P> {
             let step = &steps[usize::from(wraps)];
             for k in 0..3 {
                 for value in &mut values[k] {
-                    *value = *value + step[k];
+                    *value += step[k];
                 }
             }
             let back = bx1 - bx0;
-            block += if wraps { BLOCKS_ACROSS as i32 - back } else { 1 };
+            block += if wraps {
+                BLOCKS_ACROSS as i32 - back
+            } else {
+                1
+            };
             left = if wraps { back } else { left - 1 };
         }
-        for k in 0..count {
-            let name = self.found[k % LIST];
-            let (inside, p, block) = (name & 0xff, name as usize >> 8 & 3, name as usize >> 16);
-            self.block(simd, block, p, inside, depth, counts);
-        }
-        self.settle(depth.place);
+        self.blocks(simd, count, depth, counts);
         counts.blocks_tested += blocks as u64 * P as u64;
     }
 
@@ -322,101 +300,117 @@ impl<const P: usize> Drawing<'_, P> {
                     continue;
                 }
                 let accepted = (over[0][1] | over[1][1] | over[2][1]) >= 0;
-                for by in y0.max(y) / 2..=y1.min(y + CELL - 1) / 2 {
-                    for bx in x0.max(x) / 4..=x1.min(x + CELL - 1) / 4 {
-                        let block = (by * BLOCKS_ACROSS as i32 + bx) as usize;
-                        let (x, y) = (bx * BLOCK[0] as i32, by * BLOCK[1] as i32);
-                        for p in 0..P {
-                            let inside = if accepted {
-                                0xff
-                            } else {
-                                let signs = (across[0] + edges[0].at(p, x, y))
-                                    | (across[1] + edges[1].at(p, x, y))
-                                    | (across[2] + edges[2].at(p, x, y));
-                                signs.simd_ge(zero).to_bitmask() as u32
-                            };
-                            if inside != 0 {
-                                self.block(simd, block, p, inside, depth, counts);
-                            }
-                        }
-                        counts.blocks_tested += P as u64;
+                let (first_x, last_x) = (x0.max(x) / 4, x1.min(x + CELL - 1) / 4);
+                let (first_y, last_y) = (y0.max(y) / 2, y1.min(y + CELL - 1) / 2);
+                let (mut bx, mut by, mut count) = (first_x, first_y, 0);
+                while by <= last_y {
+                    let block = by * BLOCKS_ACROSS as i32 + bx;
+                    let (x, y) = (bx * BLOCK[0] as i32, by * BLOCK[1] as i32);
+                    for p in 0..P {
+                        let signs = (across[0] + edges[0].at(p, x, y))
+                            | (across[1] + edges[1].at(p, x, y))
+                            | (across[2] + edges[2].at(p, x, y));
+                        let inside = signs.simd_ge(zero).to_bitmask() as u32;
+                        let inside = if accepted { 0xff } else { inside };
+                        self.found[count % LIST] = inside | (p as u32) << 8 | (block as u32) << 16;
+                        count += usize::from(inside != 0);
                     }
+                    counts.blocks_tested += P as u64;
+                    let wraps = bx == last_x;
+                    bx = if wraps { first_x } else { bx + 1 };
+                    by += i32::from(wraps);
                 }
-                self.settle(depth.place);
+                self.blocks(simd, count, depth, counts);
             }
         }
     }
 
-    /// Depth test at one position of those samples of a block that are inside the triangle.
+    /// Depth test of the first `count` blocks found to be covered.
     #[inline(always)]
-    fn block<S: Simd>(
-        &mut self,
-        simd: S,
-        block: usize,
-        p: usize,
-        inside: u32,
-        depth: &Depth<S, P>,
-        counts: &mut Counts,
-    ) {
-        let (block, p) = (block % BLOCKS, p % P);
-        let covered = inside & u32::from(self.valid[block]);
-        let lanes = mask32x8::from_bitmask(simd, covered.into());
-        counts.samples_covered += u64::from(covered.count_ones());
-        let at = depth.at(simd, p, block);
-        let stored = F::from_slice(simd, &self.depth[block][p]);
-        let nearer = lanes & at.simd_gt(stored);
-        let ties = (lanes & at.simd_eq(stored)).to_bitmask() as u32;
-        self.ties[self.tie_count % LIST] = ties | (p as u32) << 8 | (block as u32) << 16;
-        self.tie_count += usize::from(ties != 0);
-        // Written whether or not anything changes: which is hard to foresee.
-        let seen = nearer.to_bitmask() as u32;
-        // Lanes 0, 1, 4, 5 are one quad of 2 × 2 samples, the others the second.
-        counts.quads += u64::from(seen & 0x33 != 0) + u64::from(seen & 0xcc != 0);
-        nearer
-            .select(at, stored)
-            .store_slice(&mut self.depth[block][p]);
-        let slots = u32x8::from_slice(simd, &self.slot[block][p]);
-        nearer
-            .select(depth.slot, slots)
-            .store_slice(&mut self.slot[block][p]);
-        let changed = &mut self.changed[CELL_OF[block] as usize % CELLS];
-        *changed = changed.saturating_add(1);
-    }
-
-    /// Settles the ties of the triangle in slot `place`.
-    #[inline(always)]
-    fn settle(&mut self, place: u32) {
-        if self.tie_count > 0 {
-            let ties = &self.ties[..self.tie_count.min(LIST)];
-            break_ties(self.slot, ties, place, self.triangles, self.objects);
-            self.tie_count = 0;
+    fn blocks<S: Simd>(&mut self, simd: S, count: usize, depth: &Depth<S, P>, counts: &mut Counts) {
+        let mut any_tie = 0;
+        for name in &self.found[..count.min(LIST)] {
+            let (inside, p, block) = parts::<P>(*name);
+            let covered = inside & u32::from(self.valid[block]);
+            let lanes = mask32x8::from_bitmask(simd, covered.into());
+            counts.samples_covered += u64::from(covered.count_ones());
+            let at = depth.at(p, block);
+            let stored = F::from_slice(simd, &self.depth[block][p]);
+            any_tie |= (lanes & at.simd_eq(stored)).to_bitmask() as u32;
+            // Written whether or not anything changes: which is hard to foresee.
+            let nearer = lanes & at.simd_gt(stored);
+            counts.quads += u64::from(QUADS[nearer.to_bitmask() as usize & 0xff]);
+            nearer
+                .select(at, stored)
+                .store_slice(&mut self.depth[block][p]);
+            let slots = u32x8::from_slice(simd, &self.slot[block][p]);
+            nearer
+                .select(depth.slot, slots)
+                .store_slice(&mut self.slot[block][p]);
+            let changed = &mut self.changed[CELL_OF[block] as usize % CELLS];
+            *changed = changed.saturating_add(1);
+        }
+        if any_tie != 0 {
+            self.break_ties(count, depth);
         }
     }
-}
 
-/// Of equal depths, the triangle that comes first in the scene stays.
-#[inline(never)]
-fn break_ties<const P: usize>(
-    slots: &mut [[[u32; 8]; P]; BLOCKS],
-    ties: &[u32],
-    place: u32,
-    triangles: &[SetUpTriangle],
-    objects: &[Object],
-) {
-    let name = |slot: u32| {
-        let t = &triangles[slot as usize - 1];
-        (objects[t.object as usize].instance, t.index())
-    };
-    for tie in ties {
-        let (lanes, p, block) = (tie & 0xff, *tie as usize >> 8 & 3, *tie as usize >> 16);
-        for lane in (0..8).filter(|lane| lanes >> lane & 1 != 0) {
-            let slot = &mut slots[block][p][lane];
-            if *slot != 0 && name(place) < name(*slot) {
-                *slot = place;
+    /// Of equal depths, the triangle that comes first in the scene stays.
+    #[cold]
+    #[inline(never)]
+    fn break_ties<S: Simd>(&mut self, count: usize, depth: &Depth<S, P>) {
+        let name = |slot: u32| {
+            let t = &self.triangles[slot as usize - 1];
+            (self.objects[t.object as usize].instance, t.index())
+        };
+        for found in &self.found[..count.min(LIST)] {
+            let (inside, p, block) = parts::<P>(*found);
+            let covered = inside & u32::from(self.valid[block]);
+            let at = depth.at(p, block).to_array();
+            for lane in (0..8).filter(|lane| covered >> lane & 1 != 0) {
+                let slot = &mut self.slot[block][p][lane];
+                let ties = at[lane] == self.depth[block][p][lane];
+                if ties && *slot != 0 && name(depth.place) < name(*slot) {
+                    *slot = depth.place;
+                }
             }
         }
     }
 }
+
+/// Lanes, position and block of an entry of the list of covered blocks.
+#[inline(always)]
+fn parts<const P: usize>(found: u32) -> (u32, usize, usize) {
+    let p = found as usize >> 8 & 0xff;
+    (found & 0xff, p % P, (found >> 16) as usize % BLOCKS)
+}
+
+/// For each set of lanes, how many quads of 2 × 2 samples they are of: lanes 0, 1, 4, 5 are one, the others
+/// the second.
+const QUADS: [u8; 256] = {
+    let mut quads = [0; 256];
+    let mut lanes = 0;
+    while lanes < 256 {
+        quads[lanes] = (lanes & 0x33 != 0) as u8 + (lanes & 0xcc != 0) as u8;
+        lanes += 1;
+    }
+    quads
+};
+
+/// First sample of each block.
+const BLOCK_AT: [[f32; 2]; BLOCKS] = {
+    let mut at = [[0.0; 2]; BLOCKS];
+    let mut block = 0;
+    while block < BLOCKS {
+        let across = BLOCKS_ACROSS as usize;
+        at[block] = [
+            (block % across * BLOCK[0] as usize) as f32,
+            (block / across * BLOCK[1] as usize) as f32,
+        ];
+        block += 1;
+    }
+    at
+};
 
 /// Work done so far, kept in registers.
 #[derive(Default)]
@@ -480,7 +474,7 @@ impl<S: Simd, const P: usize> Depth<S, P> {
         for (from, o) in from.iter_mut().zip(offsets) {
             for k in 0..2 {
                 let shift = origin[k] * SUBSAMPLES + SUBSAMPLES / 2 - corner[k] + o[k];
-                from[k] = from[k] + shift as f32 * (1.0 / SUBSAMPLES as f32);
+                from[k] += shift as f32 * (1.0 / SUBSAMPLES as f32);
             }
         }
         Self {
@@ -495,11 +489,9 @@ impl<S: Simd, const P: usize> Depth<S, P> {
 
     /// At position `p` of a block.
     #[inline(always)]
-    fn at(&self, _simd: S, p: usize, block: usize) -> F<S> {
+    fn at(&self, p: usize, block: usize) -> F<S> {
         // Exact, as above.
-        let across = BLOCKS_ACROSS as usize;
-        let x = (block % across * BLOCK[0] as usize) as f32;
-        let y = (block / across * BLOCK[1] as usize) as f32;
+        let [x, y] = BLOCK_AT[block];
         let dx = self.from[p][0] + x;
         let dy = self.from[p][1] + y;
         let depth = dx * self.step[0] + self.corner + dy * self.step[1];

@@ -1,7 +1,7 @@
-use foveasim_assets::{Material, Mesh, Pattern, Scene};
+use foveasim_assets::{Material, Pattern, Scene};
 use glam::{DVec2, DVec3};
 
-use super::{EyeVertex, Object, SetUpTriangle, ViewGeometry};
+use super::{EyeVertex, SetUpTriangle, ViewGeometry};
 use crate::kernels::{Attributes, Details};
 use crate::project::{Projection, SUBSAMPLES};
 
@@ -33,37 +33,25 @@ impl Needs {
 /// of the set-up triangle, its change along x, along y.
 type Weights = [[f32; 3]; 2];
 
-/// The mesh triangle of a set-up triangle: what all attributes begin with.
-struct Source<'a> {
-    object: &'a Object,
-    mesh: &'a Mesh,
-    corners: [u32; 3],
-    vertices: [&'a EyeVertex; 3],
-}
-
-impl<'a> Source<'a> {
-    fn of(scene: &'a Scene, geometry: &'a ViewGeometry, t: &SetUpTriangle) -> Self {
-        let object = &geometry.objects[t.object as usize];
-        let mesh = &scene.meshes()[object.mesh as usize];
-        let corners = mesh.triangles()[t.index()];
-        let vertices = geometry.of(object, scene);
-        Self {
-            object,
-            mesh,
-            corners,
-            vertices: corners.map(|i| &vertices[i as usize]),
-        }
-    }
-}
-
-/// What every material needs of a triangle.
-pub(crate) fn attributes(
+/// The vertices of a triangle, copied: to be asked for all triangles of a tile before anything is done with
+/// them, so that far memory serves many reads at once.
+pub(crate) fn vertices(
     scene: &Scene,
     geometry: &ViewGeometry,
     t: &SetUpTriangle,
+) -> [EyeVertex; 3] {
+    let object = &geometry.objects[t.object as usize];
+    let corners = scene.meshes()[object.mesh as usize].triangles()[t.index()];
+    let vertices = &geometry.vertices[object.first_vertex as usize..];
+    corners.map(|i| vertices[i as usize])
+}
+
+/// What every material needs of a triangle whose vertices are `vertices`.
+pub(crate) fn attributes(
+    t: &SetUpTriangle,
+    vertices: &[EyeVertex; 3],
     projection: &Projection,
 ) -> Attributes {
-    let source = Source::of(scene, geometry, t);
     let mut a = [0.0f32; Attributes::COUNT];
     // Exact below 2¹⁵ samples.
     let per_sample = 1.0 / SUBSAMPLES as f32;
@@ -75,9 +63,9 @@ pub(crate) fn attributes(
     // Normal over w is linear over the image, and its direction is the normal's. Seen from behind, the
     // other side's normal counts.
     let sign = if t.is_behind() { -1.0 } else { 1.0 };
-    let normals = source.vertices.map(|v| v.normal.map(|n| n * sign));
+    let normals = vertices.map(|v| v.normal.map(|n| n * sign));
     if t.is_whole {
-        let inverse = source.vertices.map(|v| 1.0 / v.eye[2]);
+        let inverse = vertices.map(|v| 1.0 / v.eye[2]);
         let [second, third] = gradients(t);
         for k in 0..3 {
             let [p, q, r] = [0, 1, 2].map(|i| normals[i][k] * inverse[i]);
@@ -86,7 +74,7 @@ pub(crate) fn attributes(
             a[Attributes::NORMAL + 6 + k] = (q - p) * second[1] + (r - p) * third[1];
         }
     } else {
-        let [second, third] = exact_weights(&source, t, projection);
+        let [second, third] = exact_weights(vertices, t, projection);
         for k in 0..3 {
             let [p, q, r] = normals.map(|n| n[k]);
             for i in 0..3 {
@@ -103,18 +91,15 @@ pub(crate) fn details(
     scene: &Scene,
     geometry: &ViewGeometry,
     t: &SetUpTriangle,
+    vertices: &[EyeVertex; 3],
     projection: &Projection,
     needs: Needs,
 ) -> Details {
-    let source = Source::of(scene, geometry, t);
-    let Source {
-        object,
-        mesh,
-        corners,
-        vertices,
-    } = source;
+    let object = &geometry.objects[t.object as usize];
+    let mesh = &scene.meshes()[object.mesh as usize];
+    let corners = mesh.triangles()[t.index()];
     let mut a = [0.0f32; Details::COUNT];
-    let weights = weights(&source, t, projection);
+    let weights = weights(vertices, t, projection);
     a[Details::WEIGHTS..Details::WEIGHTS + 6].copy_from_slice(weights.as_flattened());
     let sign = if t.is_behind() { -1.0 } else { 1.0 };
     let normals = vertices.map(|v| v.normal.map(|n| n * sign));
@@ -160,23 +145,18 @@ fn gradients(t: &SetUpTriangle) -> [[f32; 2]; 2] {
     ]
 }
 
-fn weights(source: &Source<'_>, t: &SetUpTriangle, projection: &Projection) -> Weights {
+fn weights(vertices: &[EyeVertex; 3], t: &SetUpTriangle, projection: &Projection) -> Weights {
     if !t.is_whole {
-        return exact_weights(source, t, projection);
+        return exact_weights(vertices, t, projection);
     }
     let [second, third] = gradients(t);
     let over = |v: &EyeVertex, [x, y]: [f32; 2]| [0.0, x / v.eye[2], y / v.eye[2]];
-    [
-        over(source.vertices[1], second),
-        over(source.vertices[2], third),
-    ]
+    [over(&vertices[1], second), over(&vertices[2], third)]
 }
 
 /// From eye space, in double precision: corners may be behind the eye, or far outside the image.
-fn exact_weights(source: &Source<'_>, t: &SetUpTriangle, projection: &Projection) -> Weights {
-    let eye = source
-        .vertices
-        .map(|v| DVec3::from_array(v.eye.map(f64::from)));
+fn exact_weights(vertices: &[EyeVertex; 3], t: &SetUpTriangle, projection: &Projection) -> Weights {
+    let eye = vertices.map(|v| DVec3::from_array(v.eye.map(f64::from)));
     // A point seen in direction d = (tx, ty, 1) is w·d = Σ βᵢpᵢ, so β/w = M⁻¹d with M = (p₀ p₁ p₂):
     // linear over the image, while β is not.
     let lattice = t.corners[0].map(|c| f64::from(c) / f64::from(SUBSAMPLES));
@@ -202,11 +182,7 @@ fn exact_weights(source: &Source<'_>, t: &SetUpTriangle, projection: &Projection
 
 /// Writes an attribute as its value at the first corner and its changes towards the other two.
 #[inline(always)]
-fn spread<const N: usize>(
-    a: &mut [f32; Details::COUNT],
-    first: usize,
-    [p, q, r]: [[f32; N]; 3],
-) {
+fn spread<const N: usize>(a: &mut [f32; Details::COUNT], first: usize, [p, q, r]: [[f32; N]; 3]) {
     for k in 0..N {
         a[first + k] = p[k];
         a[first + N + k] = q[k] - p[k];

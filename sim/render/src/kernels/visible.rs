@@ -2,13 +2,13 @@ use fearless_simd::prelude::*;
 use foveasim_models::{Msaa, Work};
 
 use super::Kernel;
+use super::blocks::{BLOCK_AT, BLOCKS, CELL_OF, QUADS};
+use super::edge::Edge;
 use super::lanes::{F, Simd, i32x8, mask32x8, max, min, splat, three, two, u32x8};
 use crate::msaa::offsets;
 use crate::project::SUBSAMPLES;
 use crate::raster::{Object, SetUpTriangle};
-use crate::tile::{
-    BLOCK, BLOCKS_ACROSS, CELL, CELLS_ACROSS, LIST, SampleTile, TILE, TILE_SAMPLES, TileBuffers,
-};
+use crate::tile::{BLOCK, BLOCKS_ACROSS, CELL, CELLS_ACROSS, LIST, SampleTile, TileBuffers};
 
 /// A cell's farthest depth is looked up anew after this many blocks in it have been drawn to.
 const STALE: u8 = 16;
@@ -385,33 +385,6 @@ fn parts<const P: usize>(found: u32) -> (u32, usize, usize) {
     (found & 0xff, p % P, (found >> 16) as usize % BLOCKS)
 }
 
-/// For each set of lanes, how many quads of 2 × 2 samples they are of: lanes 0, 1, 4, 5 are one, the others
-/// the second.
-const QUADS: [u8; 256] = {
-    let mut quads = [0; 256];
-    let mut lanes = 0;
-    while lanes < 256 {
-        quads[lanes] = (lanes & 0x33 != 0) as u8 + (lanes & 0xcc != 0) as u8;
-        lanes += 1;
-    }
-    quads
-};
-
-/// First sample of each block.
-const BLOCK_AT: [[f32; 2]; BLOCKS] = {
-    let mut at = [[0.0; 2]; BLOCKS];
-    let mut block = 0;
-    while block < BLOCKS {
-        let across = BLOCKS_ACROSS as usize;
-        at[block] = [
-            (block % across * BLOCK[0] as usize) as f32,
-            (block / across * BLOCK[1] as usize) as f32,
-        ];
-        block += 1;
-    }
-    at
-};
-
 /// Work done so far, kept in registers.
 #[derive(Default)]
 struct Counts {
@@ -422,22 +395,6 @@ struct Counts {
     samples_covered: u64,
     quads: u64,
 }
-
-/// Blocks of a tile.
-const BLOCKS: usize = TILE_SAMPLES / 8;
-
-/// The cell of each block.
-const CELL_OF: [u8; BLOCKS] = {
-    let mut cells = [0; BLOCKS];
-    let mut block = 0;
-    while block < BLOCKS {
-        let x = block as i32 % BLOCKS_ACROSS as i32 * BLOCK[0] as i32;
-        let y = block as i32 / BLOCKS_ACROSS as i32 * BLOCK[1] as i32;
-        cells[block] = (y / CELL * CELLS_ACROSS + x / CELL) as u8;
-        block += 1;
-    }
-    cells
-};
 
 /// Places of a block's samples relative to its first.
 struct Lanes<S: Simd> {
@@ -497,79 +454,5 @@ impl<S: Simd, const P: usize> Depth<S, P> {
         let depth = dx * self.step[0] + self.corner + dy * self.step[1];
         // Extrapolated from the snapped corner, a sliver's depth could leave the triangle.
         max(min(depth, self.range[1]), self.range[0])
-    }
-}
-
-/// An edge function over the samples of a tile, at each position of visibility, in units of the
-/// sub-sample grid divided by 256: at sample (x, y) it is `at_origin + x·step[0] + y·step[1]`, and its
-/// sign is exact.
-///
-/// Between neighbouring samples an edge function changes by multiples of 256, so all its values at one
-/// position are congruent mod 256 and the low 8 bits can be dropped without losing the sign.
-#[derive(Clone, Copy)]
-struct Edge<const P: usize> {
-    at_origin: [i32; P],
-    step: [i32; 2],
-}
-
-impl<const P: usize> Edge<P> {
-    /// Inside everywhere.
-    const ACCEPTED: Self = Self {
-        at_origin: [0; P],
-        step: [0, 0],
-    };
-
-    /// The edge from `a` to `b`; `None` if no sample of the tile at sample `origin` is inside.
-    #[inline(always)]
-    fn new(a: [i32; 2], b: [i32; 2], origin: [i32; 2], offsets: &[[i32; 2]; P]) -> Option<Self> {
-        let d = [
-            i64::from(b[0]) - i64::from(a[0]),
-            i64::from(b[1]) - i64::from(a[1]),
-        ];
-        let half = SUBSAMPLES / 2;
-        let p = [0, 1].map(|k| {
-            i64::from(origin[k]) * i64::from(SUBSAMPLES) + i64::from(half) - i64::from(a[k])
-        });
-        // Top-left rule: a sample exactly on an edge belongs to the triangle below or right of it.
-        let top_left = d[1] < 0 || (d[1] == 0 && d[0] > 0);
-        let value = d[0] * p[1] - d[1] * p[0] - i64::from(!top_left);
-        let values = offsets.map(|o| {
-            (value + d[0] * i64::from(o[1]) - d[1] * i64::from(o[0])) >> SUBSAMPLES.ilog2()
-        });
-        let step = [-d[1], d[0]];
-        let last = i64::from(TILE) - 1;
-        let reach = |pick: fn(i64, i64) -> i64| {
-            let value = values.into_iter().reduce(pick).unwrap_or(0);
-            value + pick(0, step[0] * last) + pick(0, step[1] * last)
-        };
-        if reach(Ord::max) < 0 {
-            return None;
-        }
-        if reach(Ord::min) >= 0 {
-            return Some(Self::ACCEPTED);
-        }
-        // It crosses the tile, so |value| is at most 64·(|step x| + |step y|) < 2³¹ (see GUARD_SAMPLES).
-        Some(Self {
-            at_origin: values.map(|v| v as i32),
-            step: step.map(|s| s as i32),
-        })
-    }
-
-    #[inline(always)]
-    fn at(&self, p: usize, x: i32, y: i32) -> i32 {
-        self.at_origin[p] + x * self.step[0] + y * self.step[1]
-    }
-
-    /// Greatest and least value in the cell whose first sample is (x, y).
-    #[inline(always)]
-    fn over_cell(&self, x: i32, y: i32) -> [i32; 2] {
-        let [dx, dy] = self.step.map(|s| s * (CELL - 1));
-        let (mut high, mut low) = (i32::MIN, i32::MAX);
-        for p in 0..P {
-            let value = self.at(p, x, y);
-            high = high.max(value);
-            low = low.min(value);
-        }
-        [high + dx.max(0) + dy.max(0), low + dx.min(0) + dy.min(0)]
     }
 }

@@ -197,3 +197,53 @@ fn length2<const N: usize>(a: [f32; N], b: [f32; N]) -> f32 {
     }
     sum
 }
+
+#[cfg(test)]
+mod tests {
+    use super::super::BEHIND;
+    use super::*;
+
+    /// From any corner, four roundings (of two integers, their quotient, its product with 256 or a
+    /// difference) are 4 · 2⁻²⁴ of each product; products are at most extent² / area.
+    #[test]
+    fn weights_are_one_at_their_corner_and_nothing_at_the_others() {
+        let corners = [
+            [[0, 0], [2560, 0], [0, 1280]],
+            [[-70_000, 3], [-69_999, 4], [-70_001, 5]],
+            [[4_000_000, 9], [4_000_000 + 32_000, 10], [4_000_000, 500]],
+            [[17, 33], [16_000, 20_000], [15_900, 20_001]],
+        ];
+        for corners in corners {
+            for behind in [0, BEHIND] {
+                let t = SetUpTriangle {
+                    corners,
+                    depth: [1.0, 0.0, 0.0],
+                    depth_range: [1.0; 2],
+                    bounds: [[0; 2]; 2],
+                    is_small: true,
+                    is_whole: true,
+                    object: 0,
+                    triangle: behind,
+                };
+                let gradients = gradients(&t);
+                let [a, p, q] = corners.map(|c| c.map(f64::from));
+                let (b, c) = if behind == 0 { (q, p) } else { (p, q) };
+                let area = (p[0] - a[0]) * (q[1] - a[1]) - (p[1] - a[1]) * (q[0] - a[0]);
+                for (k, g) in gradients.into_iter().enumerate() {
+                    for (i, corner) in [b, c].into_iter().enumerate() {
+                        let d = [0, 1].map(|k| (corner[k] - a[k]) / f64::from(SUBSAMPLES));
+                        let weight = f64::from(g[0]) * d[0] + f64::from(g[1]) * d[1];
+                        let largest =
+                            (f64::from(g[0]) * d[0]).abs() + (f64::from(g[1]) * d[1]).abs();
+                        let wanted = if i == k { 1.0 } else { 0.0 };
+                        let error = (weight - wanted).abs();
+                        assert!(
+                            error <= 4.0 * 2f64.powi(-24) * largest.max(1.0),
+                            "{corners:?} of area {area}: {error:e}"
+                        );
+                    }
+                }
+            }
+        }
+    }
+}

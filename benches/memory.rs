@@ -3,6 +3,12 @@
 //!
 //! `cargo bench --bench memory`; on Linux only, where the kernel says what the peak was.
 
+#![allow(
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "a bench prints what it measured"
+)]
+
 use std::process::Command;
 
 use foveasim::assets::{Instance, Material, Mesh, Phong, Scene, Similarity, Sky, Sun, Vertex};

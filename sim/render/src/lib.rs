@@ -11,6 +11,7 @@
 //!   triangles that share an edge cover each sample along it exactly once.
 //! * Depth is 1/w in single precision, larger is nearer; of equal depths the triangle that comes
 //!   first in the scene wins.
+//! * [`trace`] finds the same by casting rays, sample for sample.
 //! * A [`Sequence`] draws frame after frame: samples move within their cells, are blended with what was
 //!   seen of the same surface before, and passes are drawn in the frames of their cadence.
 //! * Each visible sample is shaded once, after visibility is known.
@@ -24,6 +25,7 @@
 //!
 //! [`Work`]: foveasim_models::Work
 
+mod bvh;
 mod error;
 mod fragments;
 mod frame;
@@ -39,10 +41,12 @@ mod raster;
 mod resolve;
 mod temporal;
 mod tile;
+mod trace;
 mod visible;
 
 pub use error::RenderError;
 pub use frame::{Frame, render, render_into};
 pub use options::{RenderOptions, Simd, Skip};
-pub use pass::{Surfel, visibility};
+pub use pass::{Surfel, visibility, visibility_at};
 pub use temporal::{Clamp, Sequence, TemporalOptions, jitter};
+pub use trace::trace;

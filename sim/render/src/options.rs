@@ -24,8 +24,10 @@ pub struct RenderOptions {
 /// leaving it out saves. All are left out by default.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Skip {
-    /// Triangles seen from behind. Closed surfaces look the same without; open ones lose their backs,
-    /// unless their instance is [`two_sided`](foveasim_assets::Instance::two_sided).
+    /// Triangles seen from behind. Open surfaces lose their backs, unless their instance is
+    /// [`two_sided`](foveasim_assets::Instance::two_sided); closed ones look the same without, but for
+    /// samples on their outlines: where a surface turns away, its back begins at the very depth of its
+    /// front, and snapping (by up to 1/512 of a sample) decides which of the two neighbours is nearer.
     pub back_faces: bool,
     /// Instances whose bounds lie outside the view of a pass. The picture is the same, bit for bit.
     pub outside: bool,

@@ -41,25 +41,36 @@ pub fn visibility(
     pass: usize,
     options: &RenderOptions,
 ) -> Result<Vec<Option<Surfel>>, RenderError> {
-    crate::frame::check(view, plan, options)?;
-    if pass >= plan.passes.len() {
-        let why = format!("there are {} passes, counted from 0", plan.passes.len());
-        return Err(RenderError::Pass {
-            method: plan.method.clone(),
-            pass,
-            why,
-        });
+    visibility_at(scene, view, plan, pass, 0, options)
+}
+
+/// As [`visibility`], at any of the positions of visibility that samples of the pass have, from 0.
+///
+/// # Errors
+/// As [`visibility`]; also if there is no such position.
+pub fn visibility_at(
+    scene: &Scene,
+    view: &View,
+    plan: &SamplePlan,
+    pass: usize,
+    position: usize,
+    options: &RenderOptions,
+) -> Result<Vec<Option<Surfel>>, RenderError> {
+    check_position(view, plan, pass, position, options)?;
+    let size = grid(&plan.passes[pass]);
+    if size.min_element() == 0 {
+        return Ok(Vec::new());
     }
     let objects = PassObjects::of(scene, view, plan, pass, options);
     let geometry = objects.geometry(scene, view, options);
     let drawing = Drawing::new(scene, view, plan, pass, &geometry, &objects, options);
-    let size = drawing.projection.size;
     let mut surfels = vec![None; size.x as usize * size.y as usize];
     let mut scratch = Scratch::new(&drawing);
     for (x, y) in tiles(size) {
         let tile = SampleTile::of(&plan.passes[pass], x, y);
         drawing.find_visible(&tile, &mut scratch, &mut Work::default());
-        for (place, index) in drawing.samples(&tile, &scratch.buffers) {
+        for (place, first) in drawing.samples(&tile, &scratch.buffers) {
+            let index = first + 8 * position;
             let slot = scratch.buffers.slot.as_flattened()[index];
             if slot != 0 {
                 let t = &scratch.triangles[slot as usize - 1];
@@ -74,6 +85,31 @@ pub fn visibility(
         }
     }
     Ok(surfels)
+}
+
+/// Refuses what cannot be drawn, and passes and positions that are not there.
+pub(crate) fn check_position(
+    view: &View,
+    plan: &SamplePlan,
+    pass: usize,
+    position: usize,
+    options: &RenderOptions,
+) -> Result<(), RenderError> {
+    crate::frame::check(view, plan, options)?;
+    let why = match plan.passes.get(pass).map(|p| p.visibility) {
+        Some(Visibility::Own(msaa)) if position < msaa.positions() as usize => return Ok(()),
+        Some(Visibility::Own(msaa)) => {
+            let count = msaa.positions();
+            format!("position {position}: there are {count} per sample, counted from 0")
+        }
+        Some(other) => format!("cannot find visibility by {other:?}"),
+        None => format!("there are {} passes, counted from 0", plan.passes.len()),
+    };
+    Err(RenderError::Pass {
+        method: plan.method.clone(),
+        pass,
+        why,
+    })
 }
 
 /// The drawn samples of a pass, row by row.

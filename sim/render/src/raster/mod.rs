@@ -3,6 +3,7 @@
 mod attributes;
 mod bins;
 mod clip;
+mod coverage;
 mod geometry;
 mod plane;
 mod setup;

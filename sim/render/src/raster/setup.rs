@@ -137,6 +137,11 @@ impl PassTriangles {
             out.extend(bin.iter().map(|&place| job.triangles[place as usize]));
         }
     }
+
+    /// All triangles, in the order they were set up.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &SetUpTriangle> {
+        self.jobs.iter().flat_map(|job| &job.triangles)
+    }
 }
 
 /// Sets up triangles one by one: what comes of those that the kernel accepted, and of those that it

@@ -20,7 +20,7 @@ mod supersample;
 mod sweep;
 mod temporal;
 
-pub use frame::{FrameError, FrameOutcome, FrameStudy, Shot};
+pub use frame::{Drawing, FrameError, FrameOutcome, FrameStudy, Shot, Sight};
 pub use latency::{
     Band, Histogram, LatencyError, LatencyResult, LatencySample, LatencyStudy, MAX_RUNS,
     QUANTITIES, Quantity, RunStart,

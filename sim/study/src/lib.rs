@@ -32,8 +32,9 @@ pub use replay::{
     ReplaySummary, Spread, replay,
 };
 pub use reproduce::{
-    Antialiasing, Column, Guenter2012, Guenter2012Outcome, LatencyBars, LatencyRow, Predicted,
-    PredictedRow, QualityRow, QualitySweep, ReproduceError, Table1, Table1Cell, TimeFit, Times,
+    Antialiasing, Column, Guenter2012, Guenter2012Outcome, LatencyBars, LatencyRow, Payoff,
+    PayoffRow, Predicted, PredictedRow, QualityRow, QualitySweep, ReproduceError, Table1,
+    Table1Cell, TimeFit, Times,
 };
 pub use run::{MOMENT_PICTURES, MethodSaving, Moment, PlanCost, Run, RunError, Savings, run};
 pub use scenario::{

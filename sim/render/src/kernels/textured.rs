@@ -148,6 +148,7 @@ mod tests {
             .unwrap()
         };
         let scene = Scene::build(SceneParts {
+            lods: Vec::new(),
             meshes: vec![],
             instances: vec![],
             materials: vec![Material::Textured(material)],

@@ -78,7 +78,7 @@ impl Guenter2012 {
         let times = time(&mut shooters, &moments, clock, &mut step)?;
         let mut measured = Vec::new();
         for (shooter, times) in shooters.iter().zip(times) {
-            measured.push((shooter.samples(&moments)?, times));
+            measured.push((shooter.samples_drawn(&moments)?, times));
         }
         let as_drawn = measured.remove(0);
         let rows = ways.iter().zip(measured.chunks_exact(STEPS.len()));
@@ -133,8 +133,8 @@ pub(super) fn coarser(mut plan: SamplePlan, step: f64, gaze: DVec3) -> SamplePla
 }
 
 impl Shooter<'_> {
-    /// Samples per frame, mean over the moments.
-    fn samples(&self, moments: &[u32]) -> Result<f64, ReproduceError> {
+    /// Samples per frame, each layer as often as it is drawn here; mean over the moments.
+    fn samples_drawn(&self, moments: &[u32]) -> Result<f64, ReproduceError> {
         let of = |&moment| {
             let count = self.plan(moment)?.count();
             Ok(if self.takes_turns() {

@@ -6,6 +6,12 @@
 //!
 //! `cargo bench --bench foveation -- --moments 8 [--size 1920x1080] [--raw FILE]`
 
+#![expect(
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "a bench says what it measured"
+)]
+
 use std::time::Instant;
 
 use foveasim::study::Guenter2012;

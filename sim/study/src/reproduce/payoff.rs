@@ -296,7 +296,11 @@ mod tests {
             ticks += 1;
             Duration::from_millis(ticks * ticks)
         };
-        let small = Guenter2012::quick();
+        // Small, but with pixels fine enough for outer layers to be of use.
+        let small = Guenter2012 {
+            size: UVec2::new(480, 270),
+            ..Guenter2012::quick()
+        };
         let payoff = small.payoff(&mut clock, &|_, _| ()).unwrap();
         let ways: Vec<_> = payoff.rows.iter().map(|r| r.in_turns).collect();
         assert_eq!(ways, [false, false, true, false, true]);

@@ -57,7 +57,7 @@ mod tile;
 mod visible;
 
 pub use error::RenderError;
-pub use frame::{Frame, render};
+pub use frame::{Frame, render, render_into};
 pub use options::{RenderOptions, Simd, Skip};
 pub use pass::{Surfel, visibility};
 pub use temporal::{Clamp, Sequence, TemporalOptions, jitter};

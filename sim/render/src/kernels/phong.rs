@@ -9,13 +9,12 @@ use super::shade::{Hit, Light};
 pub(super) fn phong<S: Simd>(simd: S, m: &Phong, light: &Light, hit: &Hit<S>) -> V3<S> {
     let zero = splat(simd, 0.0);
     let (v, l) = (hit.view, V3::splat(simd, light.sun_direction));
-    let away = hit.normal.dot(v).simd_lt(0.0);
+    let n_v = hit.normal.dot(v);
+    let away = n_v.simd_lt(0.0);
     let sign = away.select(splat(simd, -1.0), splat(simd, 1.0));
-    let n = hit.normal.scale(sign);
-    let n_l = n.dot(l);
-    // The light's direction mirrored about the normal.
-    let r = n.scale(n_l * 2.0).add(l.scale(splat(simd, -1.0)));
-    let mut lobe = max(r.dot(v), zero);
+    let (n_l, n_v) = (hit.normal.dot(l) * sign, n_v * sign);
+    // The light's direction mirrored about the normal is 2 (n·l) n − l.
+    let mut lobe = max(n_l * n_v * 2.0 - l.dot(v), zero);
     for _ in 0..m.shininess_log2 {
         lobe = lobe * lobe;
     }

@@ -88,6 +88,7 @@ mod tests {
 
     use super::super::{Kernel, dispatch};
     use super::*;
+    use super::super::lanes::Simd;
     use crate::Simd as Choice;
 
     const DARK: Light = Light {

@@ -153,7 +153,7 @@ impl Guenter2012 {
             check(
                 "side of antialiasing frames",
                 side,
-                WINDOW..=u32::MAX,
+                WINDOW as u32..=u32::MAX,
                 valid,
             )?;
         }

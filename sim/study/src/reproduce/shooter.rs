@@ -125,6 +125,7 @@ impl Flight {
             viewport: self.viewport,
             acuity,
             gaze: GazeDirection::AHEAD,
+            ahead: GazeDirection::AHEAD,
             margin_deg: 0.0,
         })
     }

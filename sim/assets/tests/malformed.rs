@@ -96,7 +96,7 @@ fn obj_with_side_files_that_are_missing_or_broken() {
     warned(&loaded, &["texture", "gone one.png", "not found"]);
     warned(&loaded, &["material \"stone\"", "in no library"]);
     warned(&loaded, &["transparency"]);
-    warned(&loaded, &["line 8", "zzz"]);
+    warned(&loaded, &["line 9", "zzz"]);
     assert_eq!(loaded.scene.instances().len(), 2);
 
     for (library, part) in [

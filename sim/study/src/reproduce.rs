@@ -154,7 +154,7 @@ impl Guenter2012 {
             check(
                 "side of antialiasing frames",
                 side,
-                WINDOW as u32..=u32::MAX,
+                (WINDOW as u32)..=u32::MAX,
                 valid,
             )?;
         }

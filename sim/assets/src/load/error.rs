@@ -9,7 +9,7 @@ use crate::SceneError;
 #[non_exhaustive]
 pub enum LoadError {
     /// The file cannot be read.
-    #[error("{path}: {source}")]
+    #[error("{path}: cannot be read")]
     Read {
         /// The file.
         path: PathBuf,
@@ -45,7 +45,7 @@ pub enum LoadError {
         problem: String,
     },
     /// The parts do not make a scene.
-    #[error("{file}: {source}")]
+    #[error("{file}: its parts do not make a scene")]
     Scene {
         /// The file.
         file: String,

@@ -1,114 +1,105 @@
 use fearless_simd::prelude::*;
 use foveasim_assets::{MipLevel, Texture, Wrap};
 
-use super::lanes::{F, Simd, V3, max, min, saturate, splat};
+use super::lanes::{F, Simd, V3, saturate, splat};
 
 /// Linear red, green and blue of `texture` at `uv`, averaged over `footprint` [texture widths]:
 /// trilinear, each lane from the two mip levels whose texels are next to its footprint in size.
 ///
-/// Between powers of two the share of the smaller level grows linearly with the footprint rather than
-/// with its logarithm (at most 0.086 levels apart), which a float's own bits give exactly.
+/// Only wrapping is done in lanes. The rest is loads from eight places, so it is one function for all
+/// vector widths, and what it computes on is the four channels of a texel.
 #[inline(always)]
 pub(super) fn sample<S: Simd>(simd: S, texture: &Texture, uv: [F<S>; 2], footprint: F<S>) -> V3<S> {
-    // A function of its own: each material may call it several times.
-    simd.vectorize(
-        #[inline(always)]
-        || trilinear(simd, texture, uv, footprint),
-    )
-}
-
-#[inline(always)]
-fn trilinear<S: Simd>(simd: S, texture: &Texture, uv: [F<S>; 2], footprint: F<S>) -> V3<S> {
-    let levels = texture.levels();
-    let [width, height] = levels[0].size;
-    let last = levels.len() - 1;
-    // NaN counts as one texel, infinity as the whole texture.
-    let texels = max(footprint * (width.max(height) as f32), splat(simd, 1.0));
-    let texels = min(texels, splat(simd, (1u32 << last) as f32)).to_array();
-    let level = texels.map(|t| ((t.to_bits() >> 23) as usize - 127).min(last));
-    let fine = bilinear(simd, texture, uv, level);
-    let fraction = texels.map(|t| (t.to_bits() & 0x7f_ffff) as f32 / 8_388_608.0);
-    if fraction == [0.0; 8] {
-        return fine;
+    let [wrap_u, wrap_v] = texture.wrap();
+    let u = wrapped(simd, uv[0], wrap_u).to_array();
+    let v = wrapped(simd, uv[1], wrap_v).to_array();
+    let [x, y, z] = trilinear(texture, &u, &v, &footprint.to_array());
+    V3 {
+        x: F::from_slice(simd, &x),
+        y: F::from_slice(simd, &y),
+        z: F::from_slice(simd, &z),
     }
-    let coarse = bilinear(simd, texture, uv, level.map(|l| (l + 1).min(last)));
-    fine.mix(coarse, F::from_slice(simd, &fraction))
 }
 
-/// Of each lane's own level.
+/// `coordinate` in 0..=1, whatever came in.
 #[inline(always)]
-fn bilinear<S: Simd>(simd: S, texture: &Texture, uv: [F<S>; 2], level: [usize; 8]) -> V3<S> {
-    let levels = level.map(|l| texture.levels()[l]);
-    let wrap = texture.wrap();
-    let [u, v] = uv;
-    let (columns, fraction_x) = neighbours(simd, u, levels.map(|l| l.size[0]), wrap[0]);
-    let (rows, fraction_y) = neighbours(simd, v, levels.map(|l| l.size[1]), wrap[1]);
-    let corner = |row: usize, column: usize| {
-        let [x, y, z] = fetch(texture, &levels, &rows[row], &columns[column]);
-        V3 {
-            x: F::from_slice(simd, &x),
-            y: F::from_slice(simd, &y),
-            z: F::from_slice(simd, &z),
-        }
-    };
-    let upper = corner(0, 0).mix(corner(0, 1), fraction_x);
-    let lower = corner(1, 0).mix(corner(1, 1), fraction_x);
-    upper.mix(lower, fraction_y)
-}
-
-/// Linear red, green and blue of a texel for each lane. Nothing here is gained by vectors, so it is
-/// one function for all of their widths.
-#[inline(never)]
-fn fetch(
-    texture: &Texture,
-    levels: &[MipLevel; 8],
-    row: &[u32; 8],
-    column: &[u32; 8],
-) -> [[f32; 8]; 3] {
-    let table = texture.encoding().table();
-    let mut rgb = [[0.0; 8]; 3];
-    for i in 0..8 {
-        let place = levels[i].first + row[i] * levels[i].size[0] + column[i];
-        let texel = texture.texels()[place as usize];
-        for k in 0..3 {
-            rgb[k][i] = table[usize::from(texel[k])];
-        }
-    }
-    rgb
-}
-
-/// The two texels on either side of `coordinate`, and the share of the second.
-#[inline(always)]
-fn neighbours<S: Simd>(
-    simd: S,
-    coordinate: F<S>,
-    size: [u32; 8],
-    wrap: Wrap,
-) -> ([[u32; 8]; 2], F<S>) {
-    let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
-    let within = match wrap {
+fn wrapped<S: Simd>(simd: S, coordinate: F<S>, wrap: Wrap) -> F<S> {
+    let one = splat(simd, 1.0);
+    saturate(match wrap {
         Wrap::Repeat => coordinate - coordinate.floor(),
         Wrap::Mirror => {
             let half = coordinate * 0.5;
             one - ((half - half.floor()) * 2.0 - 1.0).abs()
         }
         Wrap::Clamp => coordinate,
+    })
+}
+
+/// A texel's channels; the fourth fills a vector register.
+type Texel = [f32; 4];
+
+fn mix(a: Texel, b: Texel, t: f32) -> Texel {
+    std::array::from_fn(|k| a[k] + t * (b[k] - a[k]))
+}
+
+#[inline(never)]
+fn trilinear(texture: &Texture, u: &[f32; 8], v: &[f32; 8], footprint: &[f32; 8]) -> [[f32; 8]; 3] {
+    let levels = texture.levels();
+    let [width, height] = levels[0].size;
+    let side = width.max(height) as f32;
+    let last = levels.len() - 1;
+    let widest = (1u32 << last) as f32;
+    let mut rgb = [[0.0; 8]; 3];
+    for i in 0..8 {
+        let texels = footprint[i] * side;
+        // NaN counts as one texel, infinity as the whole texture.
+        let texels = if texels > 1.0 { texels } else { 1.0 };
+        let texels = if texels < widest { texels } else { widest };
+        // Between powers of two the share of the smaller level grows linearly with the footprint
+        // rather than with its logarithm (at most 0.086 levels apart): a float's own bits give it.
+        let level = ((texels.to_bits() >> 23) as usize - 127).min(last);
+        let share = (texels.to_bits() & 0x7f_ffff) as f32 / 8_388_608.0;
+        let mut texel = bilinear(texture, level, u[i], v[i]);
+        if share > 0.0 {
+            texel = mix(texel, bilinear(texture, level + 1, u[i], v[i]), share);
+        }
+        for k in 0..3 {
+            rgb[k][i] = texel[k];
+        }
+    }
+    rgb
+}
+
+fn bilinear(texture: &Texture, level: usize, u: f32, v: f32) -> Texel {
+    let MipLevel { size, first } = texture.levels()[level];
+    let [wrap_u, wrap_v] = texture.wrap();
+    let (columns, share_x) = neighbours(u, size[0], wrap_u);
+    let (rows, share_y) = neighbours(v, size[1], wrap_v);
+    let table = texture.encoding().table();
+    let at = |row: u32, column: u32| {
+        let place = first + row * size[0] + column;
+        let [r, g, b, _] = texture.texels()[place as usize];
+        let value = |code: u8| table[usize::from(code)];
+        [value(r), value(g), value(b), 0.0]
     };
-    // From here on in 0..=1, whatever came in.
-    let within = saturate(within);
-    let size = F::from_slice(simd, &size.map(|s| s as f32));
-    let x = within * size - 0.5;
-    let low = x.floor();
-    let high = low + 1.0;
-    let end = size - 1.0;
-    let (below, above) = match wrap {
-        Wrap::Repeat => (end, zero),
-        Wrap::Mirror | Wrap::Clamp => (zero, end),
+    let row = |row| mix(at(row, columns[0]), at(row, columns[1]), share_x);
+    mix(row(rows[0]), row(rows[1]), share_y)
+}
+
+/// The two texels on either side of `coordinate` (0 to 1), and the share of the second.
+fn neighbours(coordinate: f32, size: u32, wrap: Wrap) -> ([u32; 2], f32) {
+    // From half a texel before the first one to half of one past the last.
+    let x = coordinate * size as f32 + 0.5;
+    // Position 1 is the first texel, so that nothing is negative.
+    let whole = x as u32;
+    let share = x - whole as f32;
+    let (before, after) = match wrap {
+        Wrap::Repeat => (size - 1, 0),
+        Wrap::Mirror | Wrap::Clamp => (0, size - 1),
     };
-    let first = low.simd_lt(zero).select(below, low);
-    let second = high.simd_gt(end).select(above, high);
-    let whole = |f: F<S>| f.to_array().map(|v| v as u32);
-    ([whole(first), whole(second)], x - low)
+    let low = if whole == 0 { before } else { whole - 1 };
+    let high = if whole >= size { after } else { whole };
+    ([low, high], share)
 }
 
 #[cfg(test)]

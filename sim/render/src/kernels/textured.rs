@@ -80,3 +80,135 @@ fn fresnel<S: Simd>(f0: V3<S>, edge: V3<S>, facing: F<S>) -> V3<S> {
         z: mix(f0.z, edge.z, facing),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use fearless_simd::prelude::*;
+    use foveasim_assets::{Encoding, Material, SceneParts, Sky, Sun, Texture, Wrap, study_sky};
+
+    use super::super::{Kernel, dispatch};
+    use super::*;
+    use crate::Simd as Choice;
+
+    const DARK: Light = Light {
+        sun_direction: [0.0, 1.0, 0.0],
+        sun_radiance: [0.0; 3],
+        ambient_up: [0.0; 3],
+        ambient_down: [0.0; 3],
+        fog: [0.0; 3],
+        per_visibility_m: 0.0,
+    };
+
+    struct Probe<'a> {
+        scene: &'a Scene,
+        light: &'a Light,
+    }
+
+    impl Kernel for Probe<'_> {
+        type Output = [[f32; 8]; 3];
+
+        #[inline(always)]
+        fn run<S: Simd>(self, simd: S) -> Self::Output {
+            let Material::Textured(m) = &self.scene.materials()[0] else {
+                panic!("not textured")
+            };
+            // From facing the eye to edge-on, over the texture, near and far.
+            let slope = F::from_slice(simd, &[0.0, 0.1, 0.3, 0.5, 0.8, 0.95, 0.999, 1.0]);
+            let n = V3 {
+                x: slope,
+                y: (splat(simd, 1.0) - slope * slope).sqrt(),
+                z: splat(simd, 0.0),
+            };
+            let hit = Hit {
+                world: n,
+                object: n,
+                normal: n,
+                view: V3::splat(simd, [0.0, 1.0, 0.0]),
+                uv: [slope * 7.0, slope * -3.0],
+                footprint: slope,
+                object_footprint: slope,
+                uv_footprint: slope * slope,
+                angle: splat(simd, 1e-3),
+            };
+            let c = textured(simd, m, self.scene, self.light, &hit);
+            [c.x.to_array(), c.y.to_array(), c.z.to_array()]
+        }
+    }
+
+    /// Both ways, which must agree to the bit.
+    fn probe(material: Textured, sky: Sky, light: &Light) -> [[f32; 8]; 3] {
+        let texels = (0..16 * 16).map(|i| [(i % 256) as u8, (i * 7 % 256) as u8, 90, 255]);
+        let texture = |encoding| {
+            Texture::new(
+                [16; 2],
+                texels.clone().collect(),
+                encoding,
+                [Wrap::Mirror; 2],
+            )
+            .unwrap()
+        };
+        let scene = Scene::build(SceneParts {
+            lods: Vec::new(),
+            meshes: vec![],
+            instances: vec![],
+            materials: vec![Material::Textured(material)],
+            textures: vec![texture(Encoding::Srgb), texture(Encoding::Linear)],
+            motions: vec![],
+            sky,
+            sun: Sun {
+                direction: glam::DVec3::Y,
+                radiance: [1.0; 3],
+            },
+        });
+        let scene = &scene.unwrap();
+        let a = dispatch(Choice::Auto, Probe { scene, light });
+        let b = dispatch(Choice::Scalar, Probe { scene, light });
+        let bits = |c: [[f32; 8]; 3]| c.map(|row| row.map(f32::to_bits));
+        assert_eq!(bits(a), bits(b));
+        a
+    }
+
+    #[test]
+    fn all_textures_at_once_are_the_same_in_any_width() {
+        let material = Textured {
+            base_texture: Some(0),
+            finish_texture: Some(1),
+            metallic: 1.0,
+            emissive: [0.5; 3],
+            emissive_texture: Some(0),
+            ..Textured::default()
+        };
+        let light = Light {
+            sun_radiance: [1.0, 0.9, 0.8],
+            ambient_up: [0.3, 0.4, 0.6],
+            ..DARK
+        };
+        let got = probe(material, Sky::Analytic(study_sky(1)), &light);
+        assert!(
+            got.iter().flatten().all(|v| v.is_finite() && *v >= 0.0),
+            "{got:?}"
+        );
+    }
+
+    #[test]
+    fn in_the_dark_only_its_own_light_is_seen() {
+        let material = Textured {
+            emissive: [2.0, 0.25, 0.0],
+            ..Textured::default()
+        };
+        let got = probe(material, Sky::Uniform([0.0; 3]), &DARK);
+        assert_eq!(got, [[2.0; 8], [0.25; 8], [0.0; 8]]);
+    }
+
+    #[test]
+    fn a_mirror_in_a_room_of_one_colour_has_that_colour() {
+        let mirror = Textured {
+            base_colour: [1.0; 3],
+            metallic: 1.0,
+            roughness: 0.0,
+            ..Textured::default()
+        };
+        let got = probe(mirror, Sky::Uniform([0.25, 0.5, 0.75]), &DARK);
+        assert_eq!(got, [[0.25; 8], [0.5; 8], [0.75; 8]]);
+    }
+}

@@ -19,16 +19,16 @@ pub(crate) struct Args {
     /// The paper: guenter2012 (Foveated 3D Graphics)
     #[arg(value_name = "PAPER")]
     paper: String,
-    /// Moments of the fly-through at which each time is measured
+    /// Moments of the fly-through at which Table 1 is measured; Figs 10 and 11 take a third [default: 10]
     #[arg(long, value_name = "N", conflicts_with = "quick")]
     frames: Option<u32>,
-    /// Pixels of the image; the field of view is that of the study's display
+    /// Pixels of the image; the field of view is that of the study's display [default: 1920x1080]
     #[arg(long, value_name = "WxH", value_parser = options::size, conflicts_with = "quick")]
     size: Option<[u32; 2]>,
-    /// Consecutive frames on which antialiasing is judged against 8 x 8 samples to the pixel; 0 for none
+    /// Consecutive frames on which antialiasing is judged against 8 x 8 samples to the pixel; 0 for none [default: 12]
     #[arg(long, value_name = "N", conflicts_with = "quick")]
     antialiasing_frames: Option<u32>,
-    /// Pixels of those frames
+    /// Pixels of those frames [default: 960x540]
     #[arg(long, value_name = "WxH", value_parser = options::size, conflicts_with = "quick")]
     antialiasing_size: Option<[u32; 2]>,
     /// Small pictures of few moments: seconds instead of minutes, and times that mean little

@@ -51,9 +51,11 @@ fn guenter_2012_in_small() {
     assert_eq!(number(cell("Full", "N2"), "speedup_over_N2"), 1.0);
     assert_eq!(number(cell("Full", "Q_A"), "paper_ms"), 4.9);
     assert_eq!(
-        number(cell("No Render", "N0"), "samples_per_frame"),
+        number(cell("No SkyBox", "N0"), "samples_per_frame"),
         256.0 * 144.0
     );
+
+    assert_eq!(number(cell("No Render", "Q_A"), "samples_per_frame"), 0.0);
 
     // The closed forms do not depend on how small the pictures are.
     let predicted = rows(&scratch.read("g/fig12-13.csv"));

@@ -9,7 +9,7 @@ use foveasim_models::{Acuity, GazeDirection};
 use foveasim_reports::Table;
 
 use super::line::Line;
-use super::paper::{INFORMAL_PIXELS, MARKS};
+use super::paper::{Column, INFORMAL_PIXELS, MARKS};
 use super::shooter::{Antialiasing, Due, Flight, Shooter, Times, layer_of, time};
 use super::{ReproduceError, layers};
 
@@ -90,16 +90,17 @@ pub(super) fn informal_index(flight: &Flight) -> Result<f64, ReproduceError> {
 }
 
 impl QualitySweep {
-    /// Draws and times layers at every quality. `done` hears of each quality's moments, [`SHOOTERS`] times.
+    /// Draws and times full resolution, then layers at every quality. `done` hears of each quality's moments, [`SHOOTERS`] times.
     pub(super) fn measure(
         flight: &Flight,
         scene: &Scene,
-        full: &Times,
         moments: &[u32],
         clock: &mut dyn FnMut() -> Duration,
         done: &mut dyn FnMut(),
     ) -> Result<Self, ReproduceError> {
-        let full_ms = full.mean_ms();
+        let (method, antialiasing) = Column::Reference.draws(flight, Acuity::default())?;
+        let mut full = [Shooter::new(flight, scene, method, antialiasing)];
+        let full_ms = time(&mut full, moments, clock, done)?[0].mean_ms();
         let size = flight.viewport.size.as_dvec2();
         let pixels = size.x * size.y;
         let rows = INDICES.map(|j| {

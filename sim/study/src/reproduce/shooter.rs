@@ -182,6 +182,11 @@ impl<'a> Shooter<'a> {
         Self { due, ..self }
     }
 
+    /// Whether nothing is drawn but what the first frame needs.
+    pub(super) fn is_idle(&self) -> bool {
+        self.due == Due::Nothing
+    }
+
     /// What is drawn in `frame`.
     pub(super) fn plan(&self, frame: u32) -> Result<SamplePlan, ModelError> {
         let gaze = self.flight.gaze(frame);

@@ -35,7 +35,7 @@ pub struct Table1Cell {
 
 impl Column {
     /// How it is drawn; `informal` is the acuity that column I stands for.
-    fn draws(
+    pub(super) fn draws(
         self,
         flight: &Flight,
         informal: Acuity,
@@ -43,7 +43,7 @@ impl Column {
         let acuity = match self {
             Self::Informal => informal,
             Self::QualityB => Acuity::parse("guenter-b")?,
-            _ => Acuity::parse("guenter-a")?,
+            _ => Acuity::default(),
         };
         let (method, antialiasing) = match self {
             Self::Informal | Self::QualityA | Self::QualityB => (layers()?, Antialiasing::ALL),
@@ -181,8 +181,12 @@ fn round3(v: f64) -> f64 {
 }
 
 impl Shooter<'_> {
-    /// Samples per frame, staggered layers at their own rate: mean over the moments.
+    /// Samples per frame, staggered layers at their own rate: mean over the moments; none if nothing is
+    /// due.
     pub(super) fn samples(&self, moments: &[u32]) -> Result<f64, ReproduceError> {
+        if self.is_idle() {
+            return Ok(0.0);
+        }
         let mut all = Vec::with_capacity(moments.len());
         for &moment in moments {
             all.push(self.plan(moment)?.count().samples_staggered());

@@ -2,7 +2,7 @@
 
 mod common;
 
-use common::{layers, pass, sphere_scene, study_view, view};
+use common::{layers, pass, sphere_scene, study_scene_without_lods, study_view, view};
 use foveasim_assets::{Instance, study_camera, study_scene};
 use foveasim_models::{Eye, Feather, Image, Pose, Resolve, SamplePlan, View, Viewport};
 use foveasim_render::{Frame, RenderError, RenderOptions, Simd, render, render_into};
@@ -86,7 +86,7 @@ fn memory_of_another_image_leaves_no_trace() {
 
 #[test]
 fn work_counts_every_sample_once() {
-    let scene = study_scene(2);
+    let scene = study_scene_without_lods(2);
     let view = study_view(201, 133);
     let plan = layers(
         &view,

@@ -157,7 +157,13 @@ impl Triangle {
             let opposite = [f, e][k];
             let height = n.length() / opposite.length();
             let off = w * linear(p.cross(q), absolute(p, q), 0.0);
-            off + 1.1 * (moved * ray + self.rho) / height + beta[k] * (inverse_w * w + 4.0 * U)
+            // Weights are those of the snapped triangle. It is the true one with corners moved by up to
+            // 1/512 of a sample along each axis, so they are those of a place as far away.
+            let slope = (p.cross(q).abs() + beta[k] * n.abs()) * (w / det);
+            let snapped = 1.1 / 512.0 * (slope.x * tan_per_px.x + slope.y * tan_per_px.y);
+            off + snapped
+                + 1.1 * (moved * ray + self.rho) / height
+                + beta[k] * (inverse_w * w + 4.0 * U)
         };
         Bounds {
             inverse_w,

@@ -5,6 +5,12 @@
 //!
 //! `cargo bench --bench raster -- --frames 20 [--both-faces] [--simd scalar] [--skip none] [--png FILE]`
 
+#![expect(
+    clippy::print_stdout,
+    clippy::print_stderr,
+    reason = "a program whose results are what it prints"
+)]
+
 use std::f64::consts::PI;
 use std::time::Instant;
 

@@ -265,7 +265,7 @@ fn check_pass(pass: &Pass, view: &View) -> Result<(), String> {
         }
         other => return Err(format!("cannot draw a region of kind {other:?}")),
     }
-    if !(pass.offset.abs().max_element() <= 0.5) {
+    if !(pass.offset.is_finite() && pass.offset.abs().max_element() <= 0.5) {
         let offset = pass.offset;
         return Err(format!(
             "its samples are shifted by {offset} of a step: at most half a step"

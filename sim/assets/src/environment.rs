@@ -96,7 +96,7 @@ impl EnvironmentMap {
         &self.texels
     }
 
-    /// The angle that a texel of the finest copy subtends on average [rad].
+    /// The angle that a texel of the finest copy subtends on average \[rad\].
     pub fn texel_angle(&self) -> f64 {
         texel_angle(self.size)
     }

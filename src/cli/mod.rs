@@ -1,6 +1,7 @@
 //! The command-line tool: flags and glue, one file per subcommand.
 
 mod context;
+mod drawing;
 mod failure;
 mod init;
 mod latency;

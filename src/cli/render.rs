@@ -1,17 +1,18 @@
 use foveasim_models::foveation::{Method, Request};
 use foveasim_models::math::tan_deg;
 use foveasim_models::{Display, Geometry, Viewport};
-use foveasim_render::{RenderOptions, Simd};
 use foveasim_reports::{ERROR_FULL_SCALE, error_map, png};
 use foveasim_study::FrameStudy;
 
+use super::drawing::DrawingArgs;
 use super::scene::SceneArgs;
 use super::{Context, Failure, options};
 
 /// Draw one frame by any method beside its full-resolution reference, with an error map.
 ///
 /// Writes frame.png, reference.png, error.png, work.csv (what both cost, pass by pass) and quality.csv
-/// (PSNR and SSIM, whole and by ring of eccentricity), and prints quality.csv.
+/// (PSNR and SSIM, whole and by ring of eccentricity), and prints quality.csv. With --frames N it draws
+/// the frames that lead up to it, too, and blends what they have seen.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   foveasim render --out frames
@@ -19,6 +20,7 @@ use super::{Context, Failure, options};
   foveasim render --display quest-pro --method layers:3:strict --frame 1200 --out frames
   foveasim render --scene controller.glb --method full --size 960x540 --out frames
   foveasim render --scene mesh.obj --camera 2,1,4 --look-at 0,1,0 --texture wall.png --out frames
+  foveasim render --msaa 4 --frames 16 --staggered --supersample 8 --size 960x540 --out frames
   foveasim render --fov 70 --size 1920x1080 --slope guenter-b --margin-deg 2 --out frames")]
 pub(crate) struct Args {
     #[command(flatten)]
@@ -55,17 +57,8 @@ pub(crate) struct Args {
         allow_hyphen_values = true
     )]
     margin: f64,
-    /// Instructions to use; the pictures are the same
-    #[arg(long, value_enum, default_value_t = SimdChoice::Auto)]
-    simd: SimdChoice,
-}
-
-#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
-enum SimdChoice {
-    /// The widest that this machine has
-    Auto,
-    /// One lane at a time
-    Scalar,
+    #[command(flatten)]
+    drawing: DrawingArgs,
 }
 
 pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
@@ -80,26 +73,32 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
         margin_deg: args.margin,
         ..Request::ahead(display.primary())
     };
-    let stage = args.scene.stage(&viewport, ctx)?;
+    args.drawing.check()?;
+    let period_s = display.scan.rate.period().as_secs();
+    let stage = args
+        .scene
+        .stage(&viewport, args.drawing.frames, period_s, ctx)?;
     // Fails now, not after the work, if there is nowhere to write.
     let mut outputs = ctx.outputs("out")?;
 
-    let simd = match args.simd {
-        SimdChoice::Auto => Simd::Auto,
-        SimdChoice::Scalar => Simd::Scalar,
-    };
+    let mut sights = stage.sights();
     let study = FrameStudy {
-        scene: &stage.scene,
-        world_from_eye: stage.world_from_eye,
+        sight: sights.pop().expect("at least one frame is drawn"),
+        before: sights,
+        first_frame: stage.first_frame,
         gaze: request.gaze,
         request,
-        options: RenderOptions {
-            simd,
-            near_m: stage.near_m,
-            ..RenderOptions::default()
-        },
+        drawing: args.drawing.drawing(stage.near_m),
     };
-    let outcome = study.run(&[args.method])?;
+    let bar = ctx.progress(u64::from(args.drawing.frames), "drawing");
+    let outcome = study.run_showing(&[args.method], &mut |_, number, frame| {
+        if args.drawing.all_frames {
+            outputs.add(format!("frame-{number:04}.png"), png(&frame.image)?);
+        }
+        bar.inc(1);
+        Ok::<(), Failure>(())
+    })?;
+    bar.finish_and_clear();
     let shot = &outcome.shots[0];
 
     let (frame, reference) = (&shot.frame.image, &outcome.reference.image);

@@ -7,6 +7,8 @@ use foveasim_assets::{
 };
 use foveasim_models::{Pose, Viewport, unknown_name};
 
+use foveasim_study::Sight;
+
 use super::{Context, Failure, options};
 
 /// Scene and camera.
@@ -15,7 +17,7 @@ pub(crate) struct SceneArgs {
     /// What to draw: study (the scene of Guenter et al. 2012), or an OBJ, glTF, GLB, PLY or STL file
     #[arg(long, value_name = "NAME|FILE", default_value = "study")]
     scene: String,
-    /// Frame of the study scene's fly-through, 0 to 5376 [default: 500]
+    /// Frame of the study scene's fly-through, 0 to 5376; the last one with --frames [default: 500]
     #[arg(
         long,
         value_name = "N",
@@ -29,7 +31,7 @@ pub(crate) struct SceneArgs {
     /// What is in the middle of its view, in metres [default: the middle of the file]
     #[arg(long, value_name = "X,Y,Z", value_parser = options::triple, allow_hyphen_values = true)]
     look_at: Option<[f64; 3]>,
-    /// Time of the file's animation [s] [default: 0]
+    /// Time of the file's animation [s]; of the last frame with --frames [default: 0]
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
     time: Option<f64>,
     /// Picture (PNG or JPEG) for all materials of the file that have none
@@ -48,10 +50,14 @@ enum Axis {
     Z,
 }
 
-/// A scene as seen at one moment.
+/// Consecutive frames of a scene.
 pub(crate) struct Stage {
-    pub(crate) scene: Scene,
-    pub(crate) world_from_eye: Pose,
+    /// What there is to see in each frame: the one scene of all, or one for each.
+    scenes: Vec<Scene>,
+    /// The eye in each frame.
+    world_from_eye: Vec<Pose>,
+    /// Number of the first frame.
+    pub(crate) first_frame: u64,
     /// Nothing nearer than this is drawn \[m\].
     pub(crate) near_m: f64,
 }
@@ -61,21 +67,43 @@ const STUDY_NEAR_M: f64 = 0.05;
 /// The near plane of a file of unknown size, as a share of that size, but no farther.
 const NEAR_SHARE: f64 = 0.005;
 
+/// Most instances of all frames together: each frame has a copy of them.
+const MOST_PLACEMENTS: usize = 1 << 20;
+
+impl Stage {
+    /// The frames, oldest first.
+    pub(crate) fn sights(&self) -> Vec<Sight<'_>> {
+        let scenes = self.scenes.iter().cycle();
+        let sight = |(scene, &world_from_eye)| Sight {
+            scene,
+            world_from_eye,
+        };
+        scenes.zip(&self.world_from_eye).map(sight).collect()
+    }
+}
+
 impl SceneArgs {
-    /// Builds or loads the scene; `optics` are what its camera must fit it into.
-    pub(crate) fn stage(&self, optics: &Viewport, ctx: &Context) -> Result<Stage, Failure> {
+    /// Builds or loads the scene as it is in so many consecutive frames (one or more), `period_s`
+    /// apart \[s\]; `optics` are what its camera must fit it into.
+    pub(crate) fn stage(
+        &self,
+        optics: &Viewport,
+        frames: u32,
+        period_s: f64,
+        ctx: &Context,
+    ) -> Result<Stage, Failure> {
         if self.scene == "study" {
-            return self.study(ctx);
+            return self.study(frames, ctx);
         }
         let path = Path::new(&self.scene);
         // A name without an extension that is no file was meant as a scene's.
         if !path.exists() && path.extension().is_none() {
             return Err(unknown_name("scene", &self.scene, &["study"]).into());
         }
-        self.file(path, optics, ctx)
+        self.file(path, optics, frames, period_s, ctx)
     }
 
-    fn study(&self, ctx: &Context) -> Result<Stage, Failure> {
+    fn study(&self, frames: u32, ctx: &Context) -> Result<Stage, Failure> {
         let of_files = [
             ("--time", self.time.is_some()),
             ("--texture", self.texture.is_some()),
@@ -89,16 +117,38 @@ impl SceneArgs {
             let text = "--camera: needs --look-at X,Y,Z in the study scene";
             return Err(Failure::bad_input(text));
         }
-        let frame = f64::from(self.frame.unwrap_or(500));
-        let flight = study_camera(frame / f64::from(STUDY_FRAMES), ctx.seed);
+        // With a camera of one's own there is no place on the way to end at.
+        let last = match self.camera {
+            Some(_) => frames - 1,
+            None => self.frame.unwrap_or(500),
+        };
+        let Some(first) = (last + 1).checked_sub(frames) else {
+            let text = format!(
+                "--frames {frames}: the fly-through has {} up to --frame {last}",
+                last + 1
+            );
+            return Err(Failure::bad_input(text));
+        };
+        let eye = |frame: u32| {
+            let along = f64::from(frame) / f64::from(STUDY_FRAMES);
+            self.eye(study_camera(along, ctx.seed), None)
+        };
         Ok(Stage {
-            scene: study_scene(ctx.seed),
-            world_from_eye: self.eye(flight, None)?,
+            scenes: vec![study_scene(ctx.seed)],
+            world_from_eye: (first..=last).map(eye).collect::<Result<_, _>>()?,
+            first_frame: first.into(),
             near_m: STUDY_NEAR_M,
         })
     }
 
-    fn file(&self, path: &Path, optics: &Viewport, ctx: &Context) -> Result<Stage, Failure> {
+    fn file(
+        &self,
+        path: &Path,
+        optics: &Viewport,
+        frames: u32,
+        period_s: f64,
+        ctx: &Context,
+    ) -> Result<Stage, Failure> {
         if self.frame.is_some() {
             return Err(Failure::bad_input("--frame: only with --scene study"));
         }
@@ -122,13 +172,16 @@ impl SceneArgs {
         for warning in &loaded.warnings {
             ctx.warn(warning);
         }
-        let scene = loaded.scene.at(seconds);
-        let bounds = scene.bounds().unwrap_or_default();
+        let scenes = in_frames(&loaded.scene, seconds, frames, period_s)?;
+        let last = &scenes[scenes.len() - 1];
+        let bounds = last.bounds().unwrap_or_default();
         let middle = (bounds[0] + bounds[1]) / 2.0;
         let size = (bounds[1] - bounds[0]).length();
+        let eye = self.eye(framing(bounds, optics), Some(middle.to_array()))?;
         Ok(Stage {
-            scene,
-            world_from_eye: self.eye(framing(bounds, optics), Some(middle.to_array()))?,
+            scenes,
+            world_from_eye: vec![eye; frames as usize],
+            first_frame: 0,
             near_m: (NEAR_SHARE * size).clamp(1e-4, STUDY_NEAR_M),
         })
     }
@@ -147,4 +200,25 @@ impl SceneArgs {
             ))
         })
     }
+}
+
+/// A scene in frames `period_s` apart, the last of them at `seconds`: one for all if nothing moves.
+fn in_frames(
+    scene: &Scene,
+    seconds: f64,
+    frames: u32,
+    period_s: f64,
+) -> Result<Vec<Scene>, Failure> {
+    if scene.motions().is_empty() {
+        return Ok(vec![scene.at(seconds)]);
+    }
+    let instances = scene.instances().len().max(1);
+    let most = (MOST_PLACEMENTS / instances).max(1);
+    if frames as usize > most {
+        return Err(Failure::bad_input(format!(
+            "--frames {frames}: at most {most} of a scene that moves and has {instances} instances"
+        )));
+    }
+    let at = |before: u32| scene.at((seconds - f64::from(before) * period_s).max(0.0));
+    Ok((0..frames).rev().map(at).collect())
 }

@@ -53,6 +53,17 @@ impl SamplePlan {
         }
     }
 
+    /// The same samples with visibility found at other positions of each.
+    #[must_use]
+    pub fn with_msaa(mut self, msaa: Msaa) -> Self {
+        for pass in &mut self.passes {
+            pass.visibility = match pass.visibility {
+                Visibility::Own(_) => Visibility::Own(msaa),
+            };
+        }
+        self
+    }
+
     /// Exact counts.
     pub fn count(&self) -> PlanCount {
         let count = |p: &Pass| PassCount {
@@ -89,5 +100,14 @@ mod tests {
         assert_eq!(plan.count().samples(), 1920 * 1080);
         assert_eq!(plan.count().ratio(), 1.0);
         assert_eq!(plan.samples_in_frame(3), 1920 * 1080);
+    }
+
+    #[test]
+    fn msaa_changes_visibility_alone() {
+        let plan = SamplePlan::full(Eye::Cyclopean, UVec2::new(8, 4));
+        let four = plan.clone().with_msaa(Msaa::Four);
+        assert_eq!(four.passes[0].visibility, Visibility::Own(Msaa::Four));
+        assert_eq!(four.count(), plan.count());
+        assert_eq!(four.with_msaa(Msaa::One), plan);
     }
 }

@@ -5,7 +5,6 @@ use crate::tile::{BLOCK, BLOCKS_ACROSS, SampleTile, TILE, TILE_SAMPLES, TileBuff
 
 /// No triangle: sky.
 pub(crate) const SKY: u32 = u32::MAX;
-const UNSEEN: u32 = u32::MAX;
 /// Not crossed by an edge.
 const WHOLE: u16 = u16::MAX;
 
@@ -36,12 +35,16 @@ pub(crate) struct Bucket {
 pub(crate) struct Fragments {
     /// Sky first, then each material of the scene.
     pub(crate) buckets: Vec<Bucket>,
-    /// The slots of visible triangles, in the order in which they were first met.
+    /// The slots of visible triangles, in the order of slots.
     pub(crate) visible: Vec<u32>,
     /// For each slot, its place in `visible`.
     pub(crate) of_slot: Vec<u32>,
     /// For each slot, its bucket.
     bucket_of: Vec<u32>,
+    /// For each slot, whether it is visible.
+    seen: Vec<bool>,
+    /// The bucket of all that is visible, if it is one.
+    only: Option<u32>,
     /// Samples crossed by an edge: column and row.
     pub(crate) edges: Vec<[u8; 2]>,
     /// For each sample, its place in `edges`.
@@ -72,6 +75,8 @@ impl Fragments {
             visible: Vec::new(),
             of_slot: Vec::new(),
             bucket_of: Vec::new(),
+            seen: Vec::new(),
+            only: None,
             edges: Vec::new(),
             edge_of: vec![WHOLE; TILE_SAMPLES],
         }
@@ -82,14 +87,15 @@ impl Fragments {
         self.edge_of[index_of(x, y)] as usize
     }
 
-    /// Collects what is visible in a tile; `materials` are those of the slots, from 1 on.
+    /// Collects what is visible in a tile of `slots` slots; `material` is that of a slot from 1 on.
     pub(crate) fn collect(
         &mut self,
         tile: &SampleTile,
         buffers: &TileBuffers,
         msaa: Msaa,
         rates: Rates<'_>,
-        materials: impl ExactSizeIterator<Item = u32>,
+        slots: usize,
+        material: impl Fn(u32) -> u32,
         work: &mut Work,
     ) {
         for bucket in &mut self.buckets {
@@ -99,13 +105,7 @@ impl Fragments {
         for [x, y] in self.edges.drain(..) {
             self.edge_of[index_of(x.into(), y.into())] = WHOLE;
         }
-        self.visible.clear();
-        self.bucket_of.clear();
-        self.of_slot.clear();
-        self.of_slot.resize(materials.len() + 1, UNSEEN);
-        self.of_slot[0] = SKY;
-        self.bucket_of.push(0);
-        self.bucket_of.extend(materials.map(|m| m + 1));
+        self.find_visible(buffers, slots, material);
         let collector = Collector { buffers, msaa };
         for block in 0..buffers.valid.len() {
             if buffers.valid[block] == 0 && rates.0.is_none() {
@@ -133,36 +133,58 @@ impl Fragments {
         }
     }
 
-    /// Notes that a slot is visible.
-    #[inline(always)]
-    fn see(&mut self, slot: u32) {
-        let place = &mut self.of_slot[slot as usize];
-        if *place == UNSEEN && slot != 0 {
-            *place = self.visible.len() as u32;
-            self.visible.push(slot);
+    /// Finds which of `slots` slots are visible, and their buckets.
+    fn find_visible(&mut self, buffers: &TileBuffers, slots: usize, material: impl Fn(u32) -> u32) {
+        // Marks need no branches. Samples that are not drawn were cleared: they show sky.
+        self.seen.clear();
+        self.seen.resize(slots + 1, false);
+        for row in &buffers.slot {
+            for &slot in row {
+                self.seen[slot as usize] = true;
+            }
         }
+        self.visible.clear();
+        self.of_slot.clear();
+        self.of_slot.resize(slots + 1, SKY);
+        self.bucket_of.clear();
+        self.bucket_of.resize(slots + 1, 0);
+        for slot in 1..=slots {
+            if self.seen[slot] {
+                self.of_slot[slot] = self.visible.len() as u32;
+                self.bucket_of[slot] = material(slot as u32) + 1;
+                self.visible.push(slot as u32);
+            }
+        }
+        let buckets = self
+            .visible
+            .iter()
+            .map(|slot| self.bucket_of[*slot as usize]);
+        let first = if self.seen[0] {
+            0
+        } else {
+            self.visible
+                .first()
+                .map_or(0, |slot| self.bucket_of[*slot as usize])
+        };
+        self.only = buckets.into_iter().all(|b| b == first).then_some(first);
     }
 
     /// Eight samples, each shaded by itself.
     fn block(&mut self, c: &Collector<'_>, block: usize, first: UVec2, work: &mut Work) {
         let positions = c.msaa.positions() as usize;
         let valid = c.buffers.valid[block];
-        let slots = &c.buffers.slot[block * positions * 8..(block + 1) * positions * 8];
-        let (nearest, others) = slots.split_at(8);
-        let plain = others.chunks_exact(8).all(|row| row == nearest);
+        let slots = &c.buffers.slot[block * positions..(block + 1) * positions];
+        let (nearest, others) = (&slots[0], &slots[1..]);
+        let plain = others.iter().all(|row| row == nearest);
         if plain {
-            // What is not drawn may hold anything, but nothing that is not there.
-            let mut last = nearest[0];
-            self.see(last);
-            let bucket = self.bucket_of[last as usize];
-            let mut alike = valid == 0xff;
-            for &slot in &nearest[1..] {
-                if slot != last {
-                    self.see(slot);
-                    alike &= self.bucket_of[slot as usize] == bucket;
-                    last = slot;
-                }
-            }
+            let bucket = self.only.unwrap_or(self.bucket_of[nearest[0] as usize]);
+            let differ = match self.only {
+                Some(_) => 0,
+                None => nearest
+                    .iter()
+                    .fold(0, |d, slot| d | (self.bucket_of[*slot as usize] ^ bucket)),
+            };
+            let alike = valid == 0xff && differ == 0;
             if alike {
                 self.buckets[bucket as usize].blocks.push(block as u16);
                 return;
@@ -219,7 +241,7 @@ impl Fragments {
                 let sample = (dy * size.x + dx) as usize;
                 let mut several = false;
                 for p in 0..positions {
-                    let slot = c.buffers.slot[(block * positions + p) * 8 + lane];
+                    let slot = c.buffers.slot[block * positions + p][lane];
                     let bit = 1 << (sample * positions + p);
                     let place = found[..count].iter().position(|f| f.0 == slot);
                     let place = place.unwrap_or_else(|| {
@@ -227,7 +249,7 @@ impl Fragments {
                         count - 1
                     });
                     found[place] = (slot, found[place].1 | bit);
-                    several |= slot != c.buffers.slot[block * positions * 8 + lane];
+                    several |= slot != c.buffers.slot[block * positions][lane];
                 }
                 if several {
                     self.edge_of[index] = self.edges.len() as u16;
@@ -237,7 +259,6 @@ impl Fragments {
             }
         }
         for &(slot, seen) in &found[..count] {
-            self.see(slot);
             let bucket = self.bucket_of[slot as usize] as usize;
             self.buckets[bucket].fragments.push(Fragment {
                 triangle: self.of_slot[slot as usize],
@@ -249,6 +270,7 @@ impl Fragments {
     }
 }
 
+/// What a tile shows.
 #[derive(Clone, Copy)]
 struct Collector<'a> {
     buffers: &'a TileBuffers,

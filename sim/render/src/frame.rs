@@ -50,9 +50,35 @@ pub fn render(
     plan: &SamplePlan,
     options: &RenderOptions,
 ) -> Result<Frame, RenderError> {
+    render_into(
+        scene,
+        view,
+        plan,
+        options,
+        Image::filled(UVec2::ZERO, [0.0; 3]),
+    )
+}
+
+/// As [`render`], in the memory of `spare` where that fits: an image that is no longer needed, of whatever
+/// content. Frame after frame, this saves getting and clearing memory; the frames are the same.
+///
+/// # Errors
+/// As [`render`].
+pub fn render_into(
+    scene: &Scene,
+    view: &View,
+    plan: &SamplePlan,
+    options: &RenderOptions,
+    spare: Image,
+) -> Result<Frame, RenderError> {
     check(view, plan, options)?;
+    // Samples of the one pass become the image; of several, they only go into it.
+    let spare = match plan.resolve {
+        Resolve::Direct => spare.rgb,
+        _ => Vec::new(),
+    };
     let due = vec![true; plan.passes.len()];
-    let drawn = draw_passes(scene, view, plan, &due, options, false);
+    let drawn = draw_passes(scene, view, plan, &due, options, false, spare);
     let (mut passes, mut pass_work) = (Vec::new(), Vec::new());
     for (samples, work) in drawn.passes.into_iter().flatten() {
         passes.push(samples.image);
@@ -239,7 +265,7 @@ fn check_pass(pass: &Pass, view: &View) -> Result<(), String> {
         }
         other => return Err(format!("cannot draw a region of kind {other:?}")),
     }
-    if !(pass.offset.abs().max_element() <= 0.5) {
+    if !(pass.offset.is_finite() && pass.offset.abs().max_element() <= 0.5) {
         let offset = pass.offset;
         return Err(format!(
             "its samples are shifted by {offset} of a step: at most half a step"

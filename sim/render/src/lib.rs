@@ -1,9 +1,10 @@
 //! The reference renderer: any sample plan of any scene on the CPU, with exact counts of the work.
 //!
 //! ```text
-//! scene + view + pass ─► vertices ─► set-up ─► bins ─► tile: visibility ─► tile: shading ─► pass image
-//!                        (once each)  (clip, cull)     (4×2 blocks)        (8 samples)         │
-//!                                                   image ◄──────────── resolve ◄──────────────┘
+//! scene + view + plan ─► levels of detail ─► vertices ─► set-up ─► bins ─► tile: visibility ─► tile: shading ─► pass
+//!                        (by the pass's      (once for   (clip,    (64×64   (blocks of 4×2,     (each surface    │
+//!                         own samples)        a view)     cull)     samples) hierarchical z)     seen, once)     │
+//!                        image ◄── resolve ◄── history (in a [`Sequence`]) ◄──────────────────────────────────────┘
 //! ```
 //!
 //! * [`render`] draws a frame; [`Frame`] holds the image, the passes it was made of and their [`Work`].
@@ -11,19 +12,35 @@
 //!   triangles that share an edge cover each sample along it exactly once.
 //! * Depth is 1/w in single precision, larger is nearer; of equal depths the triangle that comes
 //!   first in the scene wins.
+//! * [`trace`] finds the same by casting rays, sample for sample.
+//! * Shading comes after visibility: each surface seen in a sample is shaded once, where several positions
+//!   of it see the same triangle ([`Msaa`]) or several samples share a shading ([`Shading::Coarse`]) too.
+//! * Samples outside a pass's [`Region`] are neither tested nor shaded.
 //! * A [`Sequence`] draws frame after frame: samples move within their cells, are blended with what was
 //!   seen of the same surface before, and passes are drawn in the frames of their cadence.
-//! * Each visible sample is shaded once, after visibility is known.
+//! * What the picture does not need is left out, and can be done all the same to see what that saves:
+//!   [`Skip`].
 //! * The same input gives the same bytes for any number of threads and any vector width: kernels use
 //!   only + − × ÷ √, comparison and selection, and the scalar level runs the same source.
 //!
+//! The project's `docs/renderer.md` says what is exact, what is bounded and what every counter means.
+//!
 //! # Simplifications
 //!
-//! Still views and affine maps only. [`render`] draws every
-//! pass afresh, whatever its cadence; a [`Sequence`] knows what the frames before have drawn.
+//! * Still views and affine maps only.
+//! * [`render`] draws every pass afresh, whatever its cadence; a [`Sequence`] knows what the frames before
+//!   have drawn.
+//! * One sun and a sky, no shadows, transparency or normal maps.
+//! * With MSAA, a surface is shaded in the middle of its sample even where it is seen only beside it.
+//! * Motion is that of cameras and rigid instances. What a material shows is taken not to move on it, so
+//!   reflections are found again where the surface is, not where they are.
 //!
 //! [`Work`]: foveasim_models::Work
+//! [`Msaa`]: foveasim_models::Msaa
+//! [`Shading::Coarse`]: foveasim_models::Shading::Coarse
+//! [`Region`]: foveasim_models::Region
 
+mod bvh;
 mod error;
 mod fragments;
 mod frame;
@@ -39,10 +56,12 @@ mod raster;
 mod resolve;
 mod temporal;
 mod tile;
+mod trace;
 mod visible;
 
 pub use error::RenderError;
-pub use frame::{Frame, render};
+pub use frame::{Frame, render, render_into};
 pub use options::{RenderOptions, Simd, Skip};
-pub use pass::{Surfel, visibility};
+pub use pass::{Surfel, visibility, visibility_at};
 pub use temporal::{Clamp, Sequence, TemporalOptions, jitter};
+pub use trace::trace;

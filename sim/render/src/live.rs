@@ -51,10 +51,10 @@ impl<'a> Live<'a> {
         if let Some(mask) = self.region {
             each_block(tile, valid, |_, sample| mask.is_live(sample));
         }
-        if let Some(hidden) = &self.hidden {
-            if hidden.touches(tile) {
-                hidden.clear(tile, valid);
-            }
+        if let Some(hidden) = &self.hidden
+            && hidden.touches(tile)
+        {
+            hidden.clear(tile, valid);
         }
     }
 

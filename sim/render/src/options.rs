@@ -1,4 +1,7 @@
+use std::str::FromStr;
+
 use foveasim_assets::LodRule;
+use foveasim_models::{ModelError, unknown_name};
 
 use crate::RenderError;
 
@@ -24,8 +27,10 @@ pub struct RenderOptions {
 /// leaving it out saves. All are left out by default.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Skip {
-    /// Triangles seen from behind. Closed surfaces look the same without; open ones lose their backs,
-    /// unless their instance is [`two_sided`](foveasim_assets::Instance::two_sided).
+    /// Triangles seen from behind. Open surfaces lose their backs, unless their instance is
+    /// [`two_sided`](foveasim_assets::Instance::two_sided); closed ones look the same without, but for
+    /// samples on their outlines: where a surface turns away, its back begins at the very depth of its
+    /// front, and snapping (by up to 1/512 of a sample) decides which of the two neighbours is nearer.
     pub back_faces: bool,
     /// Instances whose bounds lie outside the view of a pass. The picture is the same, bit for bit.
     pub outside: bool,
@@ -55,7 +60,54 @@ impl Skip {
         hidden: false,
         repeated_vertices: false,
     };
+
+    /// The parts' names, as users write them.
+    pub const NAMES: [&str; 5] = [
+        "back-faces",
+        "outside",
+        "occluded",
+        "hidden",
+        "repeated-vertices",
+    ];
+
+    fn part(&mut self, name: &str) -> Option<&mut bool> {
+        Some(match name {
+            "back-faces" => &mut self.back_faces,
+            "outside" => &mut self.outside,
+            "occluded" => &mut self.occluded,
+            "hidden" => &mut self.hidden,
+            "repeated-vertices" => &mut self.repeated_vertices,
+            _ => return None,
+        })
+    }
 }
+
+impl FromStr for Skip {
+    type Err = ModelError;
+
+    /// Reads `all`, `none`, or [names](Self::NAMES) of what is left out, separated by commas.
+    fn from_str(text: &str) -> Result<Self, ModelError> {
+        match text {
+            "all" => return Ok(Self::ALL),
+            "none" => return Ok(Self::NONE),
+            _ => {}
+        }
+        let mut skip = Self::NONE;
+        for name in text.split(',').map(str::trim) {
+            match skip.part(name) {
+                Some(part) => *part = true,
+                None => return Err(unknown_name("part to skip", name, &VALID)),
+            }
+        }
+        Ok(skip)
+    }
+}
+
+/// What a list of parts to skip is made of.
+const VALID: [&str; Skip::NAMES.len() + 2] = {
+    let [a, b, c, d, e] = Skip::NAMES;
+    ["all", "none", a, b, c, d, e]
+};
 
 impl Default for Skip {
     fn default() -> Self {
@@ -96,5 +148,28 @@ impl RenderOptions {
             value: self.near_m.to_string(),
             valid: "from 0.0001 to 1000 m".into(),
         })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn parts_are_skipped_by_name() {
+        assert_eq!("all".parse(), Ok(Skip::ALL));
+        assert_eq!("none".parse(), Ok(Skip::NONE));
+        assert_eq!(Skip::NAMES.join(",").parse(), Ok(Skip::ALL));
+        let two = Skip {
+            hidden: true,
+            occluded: true,
+            ..Skip::NONE
+        };
+        assert_eq!("hidden, occluded".parse(), Ok(two));
+        for wrong in ["", "hiden", "hidden,", "all,hidden"] {
+            assert!(wrong.parse::<Skip>().is_err(), "{wrong:?}");
+        }
+        let error = "hiden".parse::<Skip>().unwrap_err().to_string();
+        assert!(error.contains("did you mean `hidden`?"), "{error}");
     }
 }

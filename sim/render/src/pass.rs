@@ -1,15 +1,16 @@
 use foveasim_assets::Scene;
-use foveasim_models::{Image, Map, Msaa, Pass, SamplePlan, View, Visibility, Work};
+use foveasim_models::{Image, Map, Msaa, Pass, Region, SamplePlan, View, Visibility, Work};
 use glam::UVec2;
 use rayon::prelude::*;
 
 use crate::fragments::{Fragments, Rates};
-use crate::kernels::{Attributes, RasterizeTile, ShadeContext, ShadeTile, dispatch};
+use crate::kernels::{Attributes, Details, RasterizeTile, ShadeContext, ShadeTile, dispatch};
 use crate::live::{Live, grid};
 use crate::msaa::offsets;
 use crate::project::Projection;
 use crate::raster::{
-    Needs, PassTriangles, SetUp, SetUpTriangle, TriangleRef, ViewGeometry, attributes, set_up,
+    EyeVertex, Needs, PassTriangles, SetUp, SetUpTriangle, ViewGeometry, attributes, details,
+    set_up, vertices,
 };
 use crate::tile::{SampleTile, TILE, TILE_SAMPLES, TileBuffers, position_of, sampled};
 use crate::visible::PassObjects;
@@ -40,39 +41,75 @@ pub fn visibility(
     pass: usize,
     options: &RenderOptions,
 ) -> Result<Vec<Option<Surfel>>, RenderError> {
-    crate::frame::check(view, plan, options)?;
-    if pass >= plan.passes.len() {
-        let why = format!("there are {} passes, counted from 0", plan.passes.len());
-        return Err(RenderError::Pass {
-            method: plan.method.clone(),
-            pass,
-            why,
-        });
+    visibility_at(scene, view, plan, pass, 0, options)
+}
+
+/// As [`visibility`], at any of the positions of visibility that samples of the pass have, from 0.
+///
+/// # Errors
+/// As [`visibility`]; also if there is no such position.
+pub fn visibility_at(
+    scene: &Scene,
+    view: &View,
+    plan: &SamplePlan,
+    pass: usize,
+    position: usize,
+    options: &RenderOptions,
+) -> Result<Vec<Option<Surfel>>, RenderError> {
+    check_position(view, plan, pass, position, options)?;
+    let size = grid(&plan.passes[pass]);
+    if size.min_element() == 0 {
+        return Ok(Vec::new());
     }
     let objects = PassObjects::of(scene, view, plan, pass, options);
     let geometry = objects.geometry(scene, view, options);
     let drawing = Drawing::new(scene, view, plan, pass, &geometry, &objects, options);
-    let size = drawing.projection.size;
     let mut surfels = vec![None; size.x as usize * size.y as usize];
     let mut scratch = Scratch::new(&drawing);
     for (x, y) in tiles(size) {
         let tile = SampleTile::of(&plan.passes[pass], x, y);
         drawing.find_visible(&tile, &mut scratch, &mut Work::default());
-        for (place, index) in drawing.samples(&tile, &scratch.buffers) {
-            let slot = scratch.buffers.slot[index];
+        for (place, first) in drawing.samples(&tile, &scratch.buffers) {
+            let index = first + 8 * position;
+            let slot = scratch.buffers.slot.as_flattened()[index];
             if slot != 0 {
-                let t = drawing.triangles.get(scratch.names[slot as usize - 1]);
+                let t = &scratch.triangles[slot as usize - 1];
                 let object = &geometry.objects[t.object as usize];
                 surfels[place] = Some(Surfel {
                     instance: object.instance,
                     mesh: object.mesh,
                     triangle: t.index() as u32,
-                    depth_m: 1.0 / scratch.buffers.depth[index],
+                    depth_m: 1.0 / scratch.buffers.depth.as_flattened()[index],
                 });
             }
         }
     }
     Ok(surfels)
+}
+
+/// Refuses what cannot be drawn, and passes and positions that are not there.
+pub(crate) fn check_position(
+    view: &View,
+    plan: &SamplePlan,
+    pass: usize,
+    position: usize,
+    options: &RenderOptions,
+) -> Result<(), RenderError> {
+    crate::frame::check(view, plan, options)?;
+    let why = match plan.passes.get(pass).map(|p| p.visibility) {
+        Some(Visibility::Own(msaa)) if position < msaa.positions() as usize => return Ok(()),
+        Some(Visibility::Own(msaa)) => {
+            let count = msaa.positions();
+            format!("position {position}: there are {count} per sample, counted from 0")
+        }
+        Some(other) => format!("cannot find visibility by {other:?}"),
+        None => format!("there are {} passes, counted from 0", plan.passes.len()),
+    };
+    Err(RenderError::Pass {
+        method: plan.method.clone(),
+        pass,
+        why,
+    })
 }
 
 /// The drawn samples of a pass, row by row.
@@ -87,7 +124,8 @@ pub(crate) struct PassSamples {
     pub(crate) instance: Vec<u32>,
 }
 
-/// Draws pass `index` of a plan: what each of its samples sees, and the work it took.
+/// Draws pass `index` of a plan: what each of its samples sees, and the work it took. `spare` is
+/// memory to use for the image.
 pub(crate) fn draw(
     scene: &Scene,
     view: &View,
@@ -97,10 +135,11 @@ pub(crate) fn draw(
     objects: &PassObjects,
     options: &RenderOptions,
     keep_geometry: bool,
+    spare: Vec<[f32; 3]>,
 ) -> (PassSamples, Work) {
     let pass = &plan.passes[index];
     let size = grid(pass);
-    let mut image = Image::filled(size, [0.0; 3]);
+    let mut image = blank(size, pass.region == Region::All, spare);
     let kept = image.rgb.len() * usize::from(keep_geometry);
     let (mut inverse_w, mut instance) = (vec![f32::NAN; kept], vec![u32::MAX; kept]);
     if size.x == 0 || size.y == 0 {
@@ -160,6 +199,21 @@ pub(crate) fn draw(
     (samples, work)
 }
 
+/// An image to draw into, if possible in the memory of one no longer needed. What that holds stays where
+/// everything is drawn anyway; else it is black, which costs as much as a tenth of drawing simple scenes.
+fn blank(size: UVec2, all_drawn: bool, mut spare: Vec<[f32; 3]>) -> Image {
+    let samples = size.x as usize * size.y as usize;
+    if all_drawn && spare.len() == samples {
+        return Image { size, rgb: spare };
+    }
+    if spare.capacity() < samples {
+        return Image::filled(size, [0.0; 3]);
+    }
+    spare.clear();
+    spare.resize(samples, [0.0; 3]);
+    Image { size, rgb: spare }
+}
+
 /// Column and row of each tile, row by row.
 fn tiles(size: UVec2) -> impl Iterator<Item = (u32, u32)> {
     let across = size.x.div_ceil(TILE);
@@ -178,15 +232,21 @@ struct Drawing<'a> {
     triangles: PassTriangles,
     /// For each material, what it reads of a triangle.
     needs: Vec<Needs>,
+    /// Whether anything may read a triangle's details.
+    has_details: bool,
     work: Work,
 }
 
 /// Memory that a worker uses for one tile after the other.
 struct Scratch {
     buffers: TileBuffers,
-    names: Vec<TriangleRef>,
+    /// Those that meet the tile.
+    triangles: Vec<SetUpTriangle>,
     fragments: Fragments,
+    /// Vertices of those that are visible.
+    corners: Vec<[EyeVertex; 3]>,
     attributes: Vec<Attributes>,
+    details: Vec<Details>,
     edges: Vec<[[f32; 3]; 4]>,
 }
 
@@ -194,9 +254,11 @@ impl Scratch {
     fn new(drawing: &Drawing<'_>) -> Self {
         Self {
             buffers: TileBuffers::new(drawing.msaa.positions() as usize),
-            names: Vec::new(),
+            triangles: Vec::new(),
             fragments: Fragments::new(drawing.scene.materials().len()),
+            corners: Vec::new(),
             attributes: Vec::new(),
+            details: Vec::new(),
             edges: Vec::new(),
         }
     }
@@ -234,16 +296,21 @@ impl<'a> Drawing<'a> {
         };
         let (triangles, mut work) = set_up(&pass_set_up, &objects.in_geometry(geometry));
         work += objects.work;
+        let needs: Vec<_> = scene.materials().iter().map(Needs::of).collect();
+        let rates = Rates::of(&pass.shading);
         Self {
             scene,
             options,
             geometry,
             projection,
             msaa,
-            rates: Rates::of(&pass.shading),
+            has_details: msaa != Msaa::One
+                || rates.0.is_some()
+                || needs.iter().any(|n| n.object || n.uv),
+            rates,
             live: Live::new(plan, index, &view.optics, options.skip.hidden),
             triangles,
-            needs: scene.materials().iter().map(Needs::of).collect(),
+            needs,
             work,
         }
     }
@@ -270,15 +337,15 @@ impl<'a> Drawing<'a> {
         scratch.buffers.clear(tile, &self.live);
         self.live.count(tile, &scratch.buffers.valid, work);
         if scratch.buffers.valid.iter().all(|lanes| *lanes == 0) {
-            scratch.names.clear();
+            scratch.triangles.clear();
             return false;
         }
         let place = tile.origin / TILE;
-        self.triangles.tile(place.x, place.y, &mut scratch.names);
+        self.triangles
+            .tile(place.x, place.y, &mut scratch.triangles);
         let kernel = RasterizeTile {
             tile,
-            triangles: &self.triangles,
-            names: &scratch.names,
+            triangles: &scratch.triangles,
             objects: &self.geometry.objects,
             msaa: self.msaa,
             skip_occluded: self.options.skip.occluded,
@@ -307,9 +374,11 @@ impl<'a> Drawing<'a> {
         }
         let Scratch {
             buffers,
-            names,
+            triangles,
             fragments,
+            corners,
             attributes: prepared,
+            details: detailed,
             edges,
         } = scratch;
         fragments.collect(
@@ -317,17 +386,39 @@ impl<'a> Drawing<'a> {
             buffers,
             self.msaa,
             self.rates,
-            names
-                .iter()
-                .map(|name| self.material(self.triangles.get(*name)) as u32),
+            triangles.len(),
+            |slot| self.material(&triangles[slot as usize - 1]) as u32,
             &mut work,
         );
+        let visible = fragments.visible.iter();
+        let visible = visible.map(|&slot| &triangles[slot as usize - 1]);
+        corners.clear();
+        corners.extend(
+            visible
+                .clone()
+                .map(|t| vertices(self.scene, self.geometry, t)),
+        );
+        let visible = visible.zip(corners.iter());
         prepared.clear();
-        prepared.extend(fragments.visible.iter().map(|&slot| {
-            let t = self.triangles.get(names[slot as usize - 1]);
-            let needs = self.needs[self.material(t)];
-            attributes(self.scene, self.geometry, t, &self.projection, needs)
-        }));
+        prepared.extend(
+            visible
+                .clone()
+                .map(|(t, vertices)| attributes(t, vertices, &self.projection)),
+        );
+        detailed.clear();
+        if self.has_details {
+            detailed.extend(visible.map(|(t, vertices)| {
+                let needs = self.needs[self.material(t)];
+                details(
+                    self.scene,
+                    self.geometry,
+                    t,
+                    vertices,
+                    &self.projection,
+                    needs,
+                )
+            }));
+        }
         edges.clear();
         edges.resize(fragments.edges.len(), [[0.0; 3]; 4]);
         for bucket in 0..fragments.buckets.len() {
@@ -346,6 +437,7 @@ impl<'a> Drawing<'a> {
                 needs: bucket.checked_sub(1).map_or(nothing, |m| self.needs[m]),
                 fragments,
                 triangles: prepared,
+                details: detailed,
                 buffers,
                 msaa: self.msaa,
                 out: rows,
@@ -364,17 +456,20 @@ impl<'a> Drawing<'a> {
     /// Writes 1/w and instance of a tile's samples to the rows it was given.
     fn copy_geometry(&self, scratch: &Scratch, rows: &mut [(&mut [f32], &mut [u32])]) {
         let positions = self.msaa.positions() as usize;
-        let Scratch { buffers, names, .. } = scratch;
+        let Scratch {
+            buffers, triangles, ..
+        } = scratch;
         for index in 0..if rows.is_empty() { 0 } else { TILE_SAMPLES } {
             if buffers.valid[index / 8] >> (index % 8) & 1 == 0 {
                 continue;
             }
             let [x, y] = position_of(index);
-            let at = index / 8 * 8 * positions + index % 8;
-            let (slot, (depths, instances)) = (buffers.slot[at], &mut rows[y as usize]);
-            depths[x as usize] = buffers.depth[at];
+            let (block, lane) = (index / 8 * positions, index % 8);
+            let (depths, instances) = &mut rows[y as usize];
+            let slot = buffers.slot[block][lane];
+            depths[x as usize] = buffers.depth[block][lane];
             if slot != 0 {
-                let t = self.triangles.get(names[slot as usize - 1]);
+                let t = &triangles[slot as usize - 1];
                 instances[x as usize] = self.geometry.objects[t.object as usize].instance;
             }
         }

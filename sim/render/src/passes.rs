@@ -14,7 +14,8 @@ pub(crate) struct Drawn {
     pub(crate) shared: Work,
 }
 
-/// Draws the passes of a plan that are `due`, with vertices transformed once for all of them.
+/// Draws the passes of a plan that are `due`, with vertices transformed once for all of them; `spare` is
+/// memory for the first.
 pub(crate) fn draw_passes(
     scene: &Scene,
     view: &View,
@@ -22,6 +23,7 @@ pub(crate) fn draw_passes(
     due: &[bool],
     options: &RenderOptions,
     keep_geometry: bool,
+    mut spare: Vec<[f32; 3]>,
 ) -> Drawn {
     let objects: Vec<_> = due
         .iter()
@@ -51,6 +53,7 @@ pub(crate) fn draw_passes(
             objects,
             options,
             keep_geometry,
+            std::mem::take(&mut spare),
         );
         if shared.is_none() {
             work += geometry.work;

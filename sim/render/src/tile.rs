@@ -17,6 +17,10 @@ pub(crate) const CELL: i32 = 8;
 /// Cells along a row of cells.
 pub(crate) const CELLS_ACROSS: i32 = TILE as i32 / CELL;
 
+/// More than the blocks of four cells at four positions each: one more, so that the next may be written
+/// before it is known whether it counts; and a power of two.
+pub(crate) const LIST: usize = 256;
+
 /// A square of samples of one pass, and where they lie on the display: what every kind of visibility
 /// and all shading consume. Which kind of map it is, is asked once per tile, not per sample.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -85,37 +89,36 @@ pub(crate) fn position_of(index: usize) -> [u32; 2] {
 #[derive(Debug)]
 pub(crate) struct TileBuffers {
     /// 1/w of the nearest triangle so far [1/m]; 0 where there is none.
-    pub(crate) depth: Vec<f32>,
+    pub(crate) depth: Vec<[f32; 8]>,
     /// One more than its place in the tile's list; 0 where there is none.
-    pub(crate) slot: Vec<u32>,
+    pub(crate) slot: Vec<[u32; 8]>,
     /// For each block, the lanes that are drawn.
     pub(crate) valid: Vec<u8>,
     /// For each cell, a lower bound of 1/w over it.
     pub(crate) farthest: [f32; (CELLS_ACROSS * CELLS_ACROSS) as usize],
     /// For each cell, how many triangles have been drawn in it since that bound was found.
     pub(crate) changed: [u8; (CELLS_ACROSS * CELLS_ACROSS) as usize],
-    /// Room for the blocks of four cells, at four positions each; and one more, so that the next may be
-    /// written before it is known whether it counts.
-    pub(crate) found: [u32; 4 * 8 * 4 + 1],
+    /// Room for the blocks that a triangle of few cells covers.
+    pub(crate) found: [u32; LIST],
 }
 
 impl TileBuffers {
     /// For up to `positions` positions of visibility per sample.
     pub(crate) fn new(positions: usize) -> Self {
         Self {
-            depth: vec![0.0; TILE_SAMPLES * positions],
-            slot: vec![0; TILE_SAMPLES * positions],
+            depth: vec![[0.0; 8]; TILE_SAMPLES / 8 * positions],
+            slot: vec![[0; 8]; TILE_SAMPLES / 8 * positions],
             valid: vec![0xff; TILE_SAMPLES / 8],
             farthest: [0.0; (CELLS_ACROSS * CELLS_ACROSS) as usize],
             changed: [0; (CELLS_ACROSS * CELLS_ACROSS) as usize],
-            found: [0; 4 * 8 * 4 + 1],
+            found: [0; LIST],
         }
     }
 
     /// Empties the buffers for `tile`, of which only `live` samples are drawn.
     pub(crate) fn clear(&mut self, tile: &SampleTile, live: &Live<'_>) {
-        self.depth.fill(0.0);
-        self.slot.fill(0);
+        self.depth.fill([0.0; 8]);
+        self.slot.fill([0; 8]);
         self.farthest.fill(0.0);
         self.changed.fill(0);
         self.valid.fill(0xff);

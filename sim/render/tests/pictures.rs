@@ -2,10 +2,10 @@
 
 mod common;
 
-use common::{layers, pass, sphere_scene, study_view, view};
+use common::{layers, pass, sphere_scene, study_scene_without_lods, study_view, view};
 use foveasim_assets::{Instance, study_camera, study_scene};
 use foveasim_models::{Eye, Feather, Image, Pose, Resolve, SamplePlan, View, Viewport};
-use foveasim_render::{Frame, RenderError, RenderOptions, Simd, render};
+use foveasim_render::{Frame, RenderError, RenderOptions, Simd, render, render_into};
 use glam::{DVec2, DVec3, UVec2};
 
 fn bits(image: &Image) -> Vec<u32> {
@@ -63,8 +63,30 @@ fn scalar_and_vector_and_any_threads_agree_to_the_bit() {
 }
 
 #[test]
+fn memory_of_another_image_leaves_no_trace() {
+    let scene = study_scene(1);
+    let view = study_view(150, 90);
+    let options = RenderOptions::default();
+    let full = SamplePlan::full(Eye::Cyclopean, view.optics.size);
+    let two = layers(&view, DVec2::new(70.0, 40.0), &[(1.0, 20.0), (2.0, 0.0)]);
+    for plan in [full, two] {
+        let fresh = render(&scene, &view, &plan, &options).unwrap();
+        for size in [
+            UVec2::ZERO,
+            UVec2::new(150, 90),
+            UVec2::new(90, 150),
+            UVec2::new(400, 300),
+        ] {
+            let spare = Image::filled(size, [f32::NAN; 3]);
+            let again = render_into(&scene, &view, &plan, &options, spare).unwrap();
+            assert_same(&fresh, &again, "in used memory");
+        }
+    }
+}
+
+#[test]
 fn work_counts_every_sample_once() {
-    let scene = study_scene(2);
+    let scene = study_scene_without_lods(2);
     let view = study_view(201, 133);
     let plan = layers(
         &view,

@@ -1,30 +1,72 @@
 use foveasim_assets::Scene;
 use foveasim_models::foveation::{Method, Request};
-use foveasim_models::{GazeDirection, ModelError, Pose, SamplePlan, View, Work};
+use foveasim_models::{GazeDirection, ModelError, Msaa, Pose, SamplePlan, View, Work};
 use foveasim_quality::{Measures, QualityError, RingQuality, Rings, compare};
-use foveasim_render::{Frame, RenderError, RenderOptions, render};
+use foveasim_render::{Frame, RenderError, RenderOptions, Sequence, TemporalOptions, render};
 use foveasim_reports::{Cell, Table};
 use thiserror::Error;
+
+use crate::supersample::supersampled_frame;
 
 /// One view of a scene, drawn by any number of methods and compared with full resolution.
 #[derive(Debug)]
 pub struct FrameStudy<'a> {
-    /// What there is to see.
-    pub scene: &'a Scene,
-    /// From where.
-    pub world_from_eye: Pose,
+    /// What there is to see, and from where.
+    pub sight: Sight<'a>,
+    /// What was seen in the frames before, oldest first: each method draws them, too, so that there is
+    /// a history. None for a frame by itself.
+    pub before: Vec<Sight<'a>>,
+    /// Number of the first of them all; it grows by one from frame to frame. It says which passes are
+    /// due, and where in their cells samples are taken.
+    pub first_frame: u64,
     /// Image, acuity, and where the methods take the gaze to be.
     pub request: Request,
     /// Where the eye really looks, in its own frame: what rings are centred on.
     pub gaze: GazeDirection,
     /// How all are drawn.
+    pub drawing: Drawing,
+}
+
+/// A scene as seen at one moment.
+#[derive(Debug, Clone, Copy)]
+pub struct Sight<'a> {
+    /// What there is to see.
+    pub scene: &'a Scene,
+    /// From where.
+    pub world_from_eye: Pose,
+}
+
+/// How the frames of a [`FrameStudy`] are drawn.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Drawing {
+    /// What the renderer is told.
     pub options: RenderOptions,
+    /// Positions of visibility in each sample, of the methods and of a reference that is not
+    /// supersampled.
+    pub msaa: Msaa,
+    /// What the methods take from the frames before. The reference is always drawn by itself.
+    pub temporal: TemporalOptions,
+    /// Samples along each side of a pixel of the reference (see [`supersampled`](crate::supersampled));
+    /// with 1 it is drawn as the methods are, at full resolution.
+    pub reference_samples: u32,
+}
+
+impl Default for Drawing {
+    /// Each frame by itself, one position to the sample, beside plain full resolution.
+    fn default() -> Self {
+        Self {
+            options: RenderOptions::default(),
+            msaa: Msaa::One,
+            temporal: TemporalOptions::OFF,
+            reference_samples: 1,
+        }
+    }
 }
 
 /// What a [`FrameStudy`] found.
 #[derive(Debug, Clone)]
 pub struct FrameOutcome {
-    /// The view at full resolution.
+    /// The view at full resolution or above.
     pub reference: Frame,
     /// One for each method, in order.
     pub shots: Vec<Shot>,
@@ -66,25 +108,85 @@ impl FrameStudy<'_> {
     /// # Errors
     /// If a method cannot be planned for the request, or a plan cannot be drawn.
     pub fn run(&self, methods: &[Method]) -> Result<FrameOutcome, FrameError> {
-        let (eye, viewport) = (self.request.eye, self.request.viewport);
-        let view = View::still(eye, viewport, self.world_from_eye);
-        let draw = |plan: &SamplePlan| render(self.scene, &view, plan, &self.options);
-        let reference = draw(&SamplePlan::full(eye, viewport.size))?;
-        let shot = |&method: &Method| -> Result<Shot, FrameError> {
-            let plan = method.plan(&self.request)?;
-            let frame = draw(&plan)?;
-            let comparison = compare(&frame.image, &reference.image)?;
-            let rings = comparison.rings(&viewport, self.gaze.vector(), &Rings::default())?;
-            Ok(Shot {
-                method,
-                plan,
-                frame,
-                measures: comparison.whole,
-                rings,
-            })
-        };
-        let shots = methods.iter().map(shot).collect::<Result<_, _>>()?;
+        self.run_showing(methods, &mut |_, _, _| Ok(()))
+    }
+
+    /// As [`run`](Self::run). `show` is given every frame of every method as it is drawn, with its
+    /// number, the judged one last; its errors end the study.
+    ///
+    /// # Errors
+    /// As [`run`](Self::run), and those of `show`.
+    pub fn run_showing<E: From<FrameError>>(
+        &self,
+        methods: &[Method],
+        show: &mut dyn FnMut(Method, u64, &Frame) -> Result<(), E>,
+    ) -> Result<FrameOutcome, E> {
+        let reference = self.reference()?;
+        let mut shots = Vec::with_capacity(methods.len());
+        for &method in methods {
+            let plan = method.plan(&self.request).map_err(FrameError::from)?;
+            let plan = plan.with_msaa(self.drawing.msaa);
+            let mut sequence = Sequence::new(self.drawing.temporal);
+            let mut number = self.first_frame;
+            let mut draw = |sight: &Sight<'_>| -> Result<Frame, E> {
+                let (view, options) = (self.view(sight), &self.drawing.options);
+                let frame = sequence.draw(sight.scene, &view, &plan, number, options);
+                let frame = frame.map_err(FrameError::from)?;
+                show(method, number, &frame)?;
+                number += 1;
+                Ok(frame)
+            };
+            for sight in &self.before {
+                draw(sight)?;
+            }
+            let frame = draw(&self.sight)?;
+            shots.push(self.judge(method, plan, frame, &reference)?);
+        }
         Ok(FrameOutcome { reference, shots })
+    }
+
+    fn view(&self, sight: &Sight<'_>) -> View {
+        View::still(
+            self.request.eye,
+            self.request.viewport,
+            sight.world_from_eye,
+        )
+    }
+
+    fn reference(&self) -> Result<Frame, FrameError> {
+        let Drawing {
+            options,
+            msaa,
+            reference_samples,
+            ..
+        } = &self.drawing;
+        let (scene, view) = (self.sight.scene, self.view(&self.sight));
+        Ok(match reference_samples {
+            1 => {
+                let plan = SamplePlan::full(self.request.eye, self.request.viewport.size);
+                render(scene, &view, &plan.with_msaa(*msaa), options)?
+            }
+            n => supersampled_frame(scene, &view, *n, options)?,
+        })
+    }
+
+    fn judge(
+        &self,
+        method: Method,
+        plan: SamplePlan,
+        frame: Frame,
+        reference: &Frame,
+    ) -> Result<Shot, FrameError> {
+        let comparison = compare(&frame.image, &reference.image)?;
+        let gaze = self.gaze.vector();
+        let rings = comparison.rings(&self.request.viewport, gaze, &Rings::default())?;
+        Ok(Shot {
+            method,
+            plan,
+            frame,
+            measures: comparison.whole,
+            rings,
+        })
     }
 }
 

@@ -20,7 +20,7 @@ mod supersample;
 mod sweep;
 mod temporal;
 
-pub use frame::{FrameError, FrameOutcome, FrameStudy, Shot};
+pub use frame::{Drawing, FrameError, FrameOutcome, FrameStudy, Shot, Sight};
 pub use latency::{
     Band, Histogram, LatencyError, LatencyResult, LatencySample, LatencyStudy, MAX_RUNS,
     QUANTITIES, Quantity, RunStart,
@@ -32,8 +32,9 @@ pub use replay::{
     ReplaySummary, Spread, replay,
 };
 pub use reproduce::{
-    Antialiasing, Column, Guenter2012, Guenter2012Outcome, LatencyBars, LatencyRow, Predicted,
-    PredictedRow, QualityRow, QualitySweep, ReproduceError, Table1, Table1Cell, TimeFit, Times,
+    Antialiasing, Column, Guenter2012, Guenter2012Outcome, LatencyBars, LatencyRow, Payoff,
+    PayoffRow, Predicted, PredictedRow, QualityRow, QualitySweep, ReproduceError, Table1,
+    Table1Cell, TimeFit, Times,
 };
 pub use run::{MOMENT_PICTURES, MethodSaving, Moment, PlanCost, Run, RunError, Savings, run};
 pub use scenario::{

@@ -5,6 +5,7 @@ mod latency;
 mod line;
 mod page;
 mod paper;
+mod payoff;
 mod predicted;
 mod quality;
 mod quality_charts;
@@ -24,6 +25,7 @@ use thiserror::Error;
 
 pub use latency::{LatencyBars, LatencyRow};
 pub use paper::Column;
+pub use payoff::{Payoff, PayoffRow};
 pub use predicted::{Predicted, PredictedRow};
 pub use quality::{QualityRow, QualitySweep, TimeFit};
 pub use shooter::{Antialiasing, Times};

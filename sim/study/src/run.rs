@@ -144,14 +144,18 @@ impl Run {
             || "the true gaze is not known".to_owned(),
             |e| format!("the eye was within {:.1} degrees of the drawn fovea in 95 % of displayed frames", e.p95),
         );
+        let in_turns = match featured.shading_ratio_staggered {
+            // Only layers have a rate of their own.
+            ratio if ratio == featured.shading_ratio => String::new(),
+            ratio => format!("{ratio:.1} times with its outer layers at their own lower rate; "),
+        };
         format!(
-            "{} shades {:.1} times fewer samples than full resolution on {} ({:.1} times with its outer \
-             layers at their own lower rate; {:.0} times is the floor of any method), gaze-to-photon is \
-             {:.1} ms on average and below {:.1} ms in 95 % of cases, and in this recording {error}.",
+            "{} shades {:.1} times fewer samples than full resolution on {} ({in_turns}{:.0} times is \
+             the floor of any method), gaze-to-photon is {:.1} ms on average and below {:.1} ms in 95 % \
+             of cases, and in this recording {error}.",
             featured.method,
             featured.shading_ratio,
             scenario.display.title,
-            featured.shading_ratio_staggered,
             featured.ideal_ratio,
             photon.mean_ms(),
             photon.quantile_ms(0.95),

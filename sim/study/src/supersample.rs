@@ -1,6 +1,6 @@
 use foveasim_assets::Scene;
-use foveasim_models::{Image, SamplePlan, View, Viewport};
-use foveasim_render::{RenderError, RenderOptions, render};
+use foveasim_models::{Image, SamplePlan, View, Viewport, Work};
+use foveasim_render::{Frame, RenderError, RenderOptions, render};
 use glam::UVec2;
 
 /// The most samples along each side of a pixel.
@@ -27,6 +27,16 @@ pub fn supersampled(
     n: u32,
     options: &RenderOptions,
 ) -> Result<Image, RenderError> {
+    Ok(supersampled_frame(scene, view, n, options)?.image)
+}
+
+/// [`supersampled`], with the work of all strips.
+pub(crate) fn supersampled_frame(
+    scene: &Scene,
+    view: &View,
+    n: u32,
+    options: &RenderOptions,
+) -> Result<Frame, RenderError> {
     if !(1..=MOST).contains(&n) {
         return Err(RenderError::OutOfRange {
             field: "samples along each side of a pixel",
@@ -41,9 +51,10 @@ pub fn supersampled(
     };
     if n == 1 {
         let plan = SamplePlan::full(view.eye, size);
-        return Ok(render(scene, view, &plan, &options)?.image);
+        return render(scene, view, &plan, &options);
     }
     let mut image = Image::filled(size, [0.0; 3]);
+    let mut work = Work::default();
     let width = (STRIP_SIDE / n).min(size.x).max(1);
     let rows = STRIP_SAMPLES / (u64::from(width) * u64::from(n) * u64::from(n));
     let height = (rows as u32).clamp(1, STRIP_SIDE / n).min(size.y).max(1);
@@ -56,7 +67,9 @@ pub fn supersampled(
                 ..*view
             };
             let plan = SamplePlan::full(view.eye, part * n);
-            let samples = render(scene, &fine, &plan, &options)?.image;
+            let strip = render(scene, &fine, &plan, &options)?;
+            let samples = strip.image;
+            work += strip.work;
             for py in 0..part.y {
                 for px in 0..part.x {
                     let at = (y + py) as usize * size.x as usize + (x + px) as usize;
@@ -65,7 +78,12 @@ pub fn supersampled(
             }
         }
     }
-    Ok(image)
+    Ok(Frame {
+        image,
+        work,
+        pass_work: Vec::new(),
+        passes: Vec::new(),
+    })
 }
 
 /// The part of an image plane from pixel `first` on, `n` times as fine.

@@ -1,12 +1,13 @@
 use fearless_simd as fs;
 
+use super::lanes;
 use crate::Simd;
 
 /// A piece of work written once for every vector level. `run` must be `#[inline(always)]`, so that
 /// it is compiled for the instructions of its caller.
 pub(crate) trait Kernel {
     type Output;
-    fn run<S: fs::Simd>(self, simd: S) -> Self::Output;
+    fn run<S: lanes::Simd>(self, simd: S) -> Self::Output;
 }
 
 /// Runs `kernel` at the level asked for, decided at run time.
@@ -27,7 +28,7 @@ pub(crate) fn dispatch<K: Kernel>(choice: Simd, kernel: K) -> K::Output {
     at(fs::Fallback::new(), kernel)
 }
 
-fn at<S: fs::Simd, K: Kernel>(simd: S, kernel: K) -> K::Output {
+fn at<S: lanes::Simd, K: Kernel>(simd: S, kernel: K) -> K::Output {
     fs::Simd::vectorize(
         simd,
         #[inline(always)]

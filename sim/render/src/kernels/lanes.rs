@@ -2,7 +2,42 @@
 //! whose results IEEE 754 defines, so each vector level gives the same bits.
 
 use fearless_simd::prelude::*;
-pub(crate) use fearless_simd::{Simd, f32x8, i32x8, mask32x8, u32x8};
+pub(crate) use fearless_simd::{f32x8, i32x8, mask32x8, u32x8};
+
+/// A vector level that kernels are compiled for.
+pub(crate) trait Simd: fearless_simd::Simd {
+    /// Whether each lane is computed by itself.
+    const SCALAR: bool;
+}
+
+impl Simd for fearless_simd::Fallback {
+    const SCALAR: bool = true;
+}
+
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+impl Simd for fearless_simd::Avx2 {
+    const SCALAR: bool = false;
+}
+
+#[cfg(target_arch = "aarch64")]
+impl Simd for fearless_simd::Neon {
+    const SCALAR: bool = false;
+}
+
+/// Runs `f`, which must be `#[inline(always)]`, as a function of its own with the instructions of
+/// `simd`: for what is long and called from several places.
+#[inline(never)]
+pub(crate) fn apart<S: Simd, T>(simd: S, f: impl FnOnce() -> T) -> T {
+    simd.vectorize(f)
+}
+
+/// Runs `f`, which must be `#[inline(always)]`: in its caller where lanes are vectors, as a function of
+/// its own where each of them is eight numbers in memory. There, time to compile grows faster than
+/// length (one function of all shading took minutes), and a call costs little beside the work.
+#[inline(always)]
+pub(crate) fn piece<S: Simd, T>(simd: S, f: impl FnOnce() -> T) -> T {
+    if S::SCALAR { apart(simd, f) } else { f() }
+}
 
 /// Eight lanes of f32.
 pub(crate) type F<S> = f32x8<S>;

@@ -1,6 +1,9 @@
 //! Hot loops, one source for every vector width.
 
+mod attributes;
+mod blocks;
 mod dispatch;
+mod edge;
 mod environment;
 mod extremes;
 pub(crate) mod lanes;
@@ -18,10 +21,11 @@ mod triangles;
 mod vertices;
 mod visible;
 
+pub(crate) use attributes::{Attributes, Details};
 pub(crate) use dispatch::{Kernel, dispatch};
 pub(crate) use extremes::Extremes;
 pub(crate) use reproject::{Before, Past, ReprojectRow, Source, Warp};
-pub(crate) use shade::{Attributes, ShadeContext, ShadeTile};
+pub(crate) use shade::{ShadeContext, ShadeTile};
 pub(crate) use triangles::SetUpEight;
 pub(crate) use vertices::{TransformVertices, VertexTransform};
 pub(crate) use visible::RasterizeTile;

@@ -2,7 +2,7 @@
 
 use fearless_simd::prelude::*;
 
-use super::lanes::{F, Simd, V3, i32x8, max, min, mix, saturate, splat, u32x8};
+use super::lanes::{F, Simd, V3, apart, i32x8, max, min, mix, piece, saturate, splat, u32x8};
 
 /// Coordinates beyond this are clamped: they must fit the conversion to integers.
 const FAR: f32 = 1e6;
@@ -76,16 +76,22 @@ pub(super) struct Fractal {
 /// faded out. Coordinates and footprint are in units of the first octave's period. Skipping octaves
 /// that no lane sees changes nothing: they would add zero.
 ///
-/// Compiled once, not into each caller (`vectorize` is a function of its own): it is called from many
+/// Compiled once, not into each caller : it is called from many
 /// places, and long enough that the call does not show.
 #[inline(always)]
 pub(super) fn fractal_2d<S: Simd>(simd: S, x: F<S>, y: F<S>, foot: F<S>, f: Fractal) -> F<S> {
-    simd.vectorize(
+    apart(
+        simd,
         #[inline(always)]
         || {
             let mut octaves = Octaves::new(simd, foot, f);
             while let Some((weight, scale, seed)) = octaves.next(simd) {
-                octaves.sum += weight * value_2d(simd, x * scale, y * scale, seed);
+                let value = piece(
+                    simd,
+                    #[inline(always)]
+                    || value_2d(simd, x * scale, y * scale, seed),
+                );
+                octaves.sum += weight * value;
             }
             octaves.sum
         },
@@ -95,12 +101,18 @@ pub(super) fn fractal_2d<S: Simd>(simd: S, x: F<S>, y: F<S>, foot: F<S>, f: Frac
 /// As [`fractal_2d`], in space.
 #[inline(always)]
 pub(super) fn fractal_3d<S: Simd>(simd: S, p: V3<S>, foot: F<S>, f: Fractal) -> F<S> {
-    simd.vectorize(
+    apart(
+        simd,
         #[inline(always)]
         || {
             let mut octaves = Octaves::new(simd, foot, f);
             while let Some((weight, scale, seed)) = octaves.next(simd) {
-                octaves.sum += weight * value_3d(simd, p.scale(splat(simd, scale)), seed);
+                let value = piece(
+                    simd,
+                    #[inline(always)]
+                    || value_3d(simd, p.scale(splat(simd, scale)), seed),
+                );
+                octaves.sum += weight * value;
             }
             octaves.sum
         },

@@ -1,10 +1,11 @@
 use fearless_simd::prelude::*;
-use foveasim_assets::{Material, Scene};
+use foveasim_assets::{Material, Scene, Sky};
 use foveasim_models::{Msaa, Pose};
 use glam::{DMat3, DVec3};
 
 use super::Kernel;
-use super::lanes::{F, Simd, V3, mask32x8, max, min, saturate, splat, u32x8};
+use super::attributes::{Attributes, Details, Loose};
+use super::lanes::{F, Simd, V3, apart, mask32x8, max, min, piece, saturate, splat, u32x8};
 use super::phong::phong;
 use super::sky::{aerial, sky};
 use super::surface::surface;
@@ -14,29 +15,6 @@ use crate::fragments::{Fragment, Fragments, SKY};
 use crate::project::Projection;
 use crate::raster::Needs;
 use crate::tile::{SampleTile, TileBuffers, position_of};
-
-/// What shading needs of one triangle: each attribute as a start and its change towards the second
-/// and the third corner, and the functions that give a sample's place in the triangle.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Attributes(pub(crate) [f32; Attributes::COUNT]);
-
-impl Attributes {
-    /// Lattice position of the first corner of the set-up triangle [samples].
-    pub(crate) const CORNER: usize = 0;
-    /// Weight over w of the second and third corner: at CORNER, change along x, along y.
-    pub(crate) const WEIGHTS: usize = 2;
-    /// Normal in the world: at the first corner, towards the second, towards the third.
-    pub(crate) const NORMAL: usize = 8;
-    /// Position in the object.
-    pub(crate) const OBJECT: usize = 17;
-    /// Texture coordinates.
-    pub(crate) const UV: usize = 26;
-    /// Object units per metre; texture units per metre.
-    pub(crate) const PER_METRE: usize = 32;
-    /// 1/w at CORNER, its change along x, along y, its least and greatest value.
-    pub(crate) const DEPTH: usize = 34;
-    pub(crate) const COUNT: usize = 39;
-}
 
 /// Light that reaches every surface alike.
 #[derive(Debug, Clone, Copy)]
@@ -135,6 +113,8 @@ pub(crate) struct ShadeTile<'a, 'b> {
     pub(crate) fragments: &'a Fragments,
     /// The triangles that are visible in the tile.
     pub(crate) triangles: &'a [Attributes],
+    /// Of the same; may be empty where no material needs more and each fragment is one sample.
+    pub(crate) details: &'a [Details],
     pub(crate) buffers: &'a TileBuffers,
     pub(crate) msaa: Msaa,
     /// Rows of the tile in the pass's image.
@@ -151,58 +131,120 @@ impl Kernel for ShadeTile<'_, '_> {
         let context = self.context;
         let needs = self.needs;
         let scene = context.scene;
-        match self.bucket.checked_sub(1).map(|m| &scene.materials()[m]) {
-            None => self.each_eight(
+        let material = self.bucket.checked_sub(1).map(|m| &scene.materials()[m]);
+        let flat = match (material, scene.sky()) {
+            (Some(Material::Unlit(colour)), _) | (None, Sky::Uniform(colour)) => Some(*colour),
+            _ => None,
+        };
+        if let Some(colour) = flat {
+            return apart(
                 simd,
                 #[inline(always)]
-                |eight| {
-                    let (direction, angle) = eight.ray(context);
-                    let direction = direction.normalize();
-                    sky(simd, scene.sky(), &context.light, direction, angle)
+                || {
+                    self.each_eight(
+                        simd,
+                        #[inline(always)]
+                        |_| V3::splat(simd, colour),
+                    )
                 },
-            ),
-            Some(Material::Terrain(t)) => self.each_eight(
+            );
+        }
+        match material {
+            None => apart(
                 simd,
                 #[inline(always)]
-                |eight| {
-                    let hit = eight.hit(context, simd, needs);
-                    let colour = terrain(simd, t, &context.light, &hit);
-                    aerial(simd, &context.light, colour, eight.distance(context, &hit))
+                || {
+                    self.each_eight(
+                        simd,
+                        #[inline(always)]
+                        |eight| {
+                            let (direction, angle) = eight.ray(context);
+                            let direction = direction.normalize();
+                            sky(simd, scene.sky(), &context.light, direction, angle)
+                        },
+                    )
                 },
             ),
-            Some(Material::Surface(s)) => self.each_eight(
+            Some(Material::Terrain(t)) => apart(
                 simd,
                 #[inline(always)]
-                |eight| {
-                    let hit = eight.hit(context, simd, needs);
-                    let colour = surface(simd, s, scene.sky(), &context.light, &hit);
-                    aerial(simd, &context.light, colour, eight.distance(context, &hit))
+                || {
+                    self.each_eight(
+                        simd,
+                        #[inline(always)]
+                        |eight| {
+                            let hit = eight.hit(context, simd, needs);
+                            let colour = piece(
+                                simd,
+                                #[inline(always)]
+                                || terrain(simd, t, &context.light, &hit),
+                            );
+                            aerial(simd, &context.light, colour, eight.distance(context, &hit))
+                        },
+                    )
                 },
             ),
-            Some(Material::Phong(p)) => self.each_eight(
+            Some(Material::Surface(s)) => apart(
                 simd,
                 #[inline(always)]
-                |eight| {
-                    let hit = eight.hit(context, simd, needs);
-                    phong(simd, p, &context.light, &hit)
+                || {
+                    self.each_eight(
+                        simd,
+                        #[inline(always)]
+                        |eight| {
+                            let hit = eight.hit(context, simd, needs);
+                            let colour = piece(
+                                simd,
+                                #[inline(always)]
+                                || surface(simd, s, scene.sky(), &context.light, &hit),
+                            );
+                            aerial(simd, &context.light, colour, eight.distance(context, &hit))
+                        },
+                    )
                 },
             ),
-            Some(Material::Textured(t)) => self.each_eight(
+            Some(Material::Phong(p)) => apart(
                 simd,
                 #[inline(always)]
-                |eight| {
-                    let hit = eight.hit(context, simd, needs);
-                    let colour = textured(simd, t, scene, &context.light, &hit);
-                    aerial(simd, &context.light, colour, eight.distance(context, &hit))
+                || {
+                    self.each_eight(
+                        simd,
+                        #[inline(always)]
+                        |eight| {
+                            // Inlined, so that what it does not read is not worked out.
+                            let hit = piece(
+                                simd,
+                                #[inline(always)]
+                                || eight.hit_inline(context, simd, needs),
+                            );
+                            piece(
+                                simd,
+                                #[inline(always)]
+                                || phong(simd, p, &context.light, &hit),
+                            )
+                        },
+                    )
                 },
             ),
-            Some(Material::Unlit(colour)) => {
-                self.each_eight(
-                    simd,
-                    #[inline(always)]
-                    |_| V3::splat(simd, *colour),
-                );
-            }
+            Some(Material::Textured(t)) => apart(
+                simd,
+                #[inline(always)]
+                || {
+                    self.each_eight(
+                        simd,
+                        #[inline(always)]
+                        |eight| {
+                            let hit = eight.hit(context, simd, needs);
+                            let colour = piece(
+                                simd,
+                                #[inline(always)]
+                                || textured(simd, t, scene, &context.light, &hit),
+                            );
+                            aerial(simd, &context.light, colour, eight.distance(context, &hit))
+                        },
+                    )
+                },
+            ),
             Some(other) => unreachable!("no kernel for {other:?}"),
         }
     }
@@ -216,6 +258,7 @@ impl ShadeTile<'_, '_> {
         // Blocks first, then single fragments, in one loop: shading is compiled once.
         let bucket = &self.fragments.buckets[self.bucket];
         let steps = bucket.blocks.len() + bucket.fragments.len().div_ceil(8);
+        let mut loose = Loose::default();
         for step in 0..steps {
             let block = bucket.blocks.get(step).copied();
             let fragments = match block {
@@ -226,8 +269,8 @@ impl ShadeTile<'_, '_> {
                 }
             };
             let eight = match block {
-                Some(block) => self.block(simd, block, &display),
-                None => self.fragments(simd, fragments, &display),
+                Some(block) => self.block(simd, block, &display, &mut loose),
+                None => self.fragments(simd, fragments, &display, &mut loose),
             };
             let colour = shade(&eight);
             let zero = splat(simd, 0.0);
@@ -238,9 +281,14 @@ impl ShadeTile<'_, '_> {
                 Some(block) => {
                     let [x, y] = position_of(block as usize * 8);
                     let (x, y) = (x as usize, y as usize);
-                    for i in 0..4 {
-                        self.out[y][x + i] = [r[i], g[i], b[i]];
-                        self.out[y + 1][x + i] = [r[i + 4], g[i + 4], b[i + 4]];
+                    for (k, row) in self.out[y..y + 2].iter_mut().enumerate() {
+                        let k = 4 * k;
+                        row[x..x + 4].copy_from_slice(&[
+                            [r[k], g[k], b[k]],
+                            [r[k + 1], g[k + 1], b[k + 1]],
+                            [r[k + 2], g[k + 2], b[k + 2]],
+                            [r[k + 3], g[k + 3], b[k + 3]],
+                        ]);
                     }
                 }
                 None => {
@@ -259,6 +307,7 @@ impl ShadeTile<'_, '_> {
         simd: S,
         block: u16,
         display: &'e [[f32; 2]; 2],
+        loose: &'e mut Loose,
     ) -> Eight<'e, S> {
         let [px, py] = position_of(block as usize * 8);
         let x = (self.tile.origin.x + px) as f32;
@@ -269,22 +318,33 @@ impl ShadeTile<'_, '_> {
             F::from_slice(simd, &lanes_x) + x,
             F::from_slice(simd, &lanes_y) + y,
         ];
-        let first = block as usize * 8 * self.msaa.positions() as usize;
-        let mut names = [0; 8];
-        if self.bucket != 0 {
-            let slots = &self.buffers.slot[first..first + 8];
-            for (name, &slot) in names.iter_mut().zip(slots) {
-                *name = self.fragments.of_slot[slot as usize];
+        let first = block as usize * self.msaa.positions() as usize;
+        let slots = &self.buffers.slot[first];
+        let inverse_w = if self.msaa == Msaa::One {
+            &self.buffers.depth[first]
+        } else {
+            loose.names = *slots;
+            if self.bucket != 0 {
+                for name in &mut loose.names {
+                    *name = self.fragments.of_slot[*name as usize];
+                }
             }
-        }
-        let known = self.msaa == Msaa::One;
-        let depths = &self.buffers.depth[first..first + 8];
+            loose.find_depth(
+                [lattice[0].to_array(), lattice[1].to_array()],
+                self.triangles,
+            );
+            &loose.inverse_w
+        };
         Eight {
             lattice,
             display,
-            inverse_w: known.then(|| F::from_slice(simd, depths)),
+            inverse_w: F::from_slice(simd, inverse_w),
             triangles: self.triangles,
-            names,
+            details: self.details,
+            // The middle of a sample all of whose positions are covered is covered.
+            beside: 0,
+            slots,
+            of_slot: Some(&self.fragments.of_slot),
             coarseness: splat(simd, 1.0),
         }
     }
@@ -296,9 +356,11 @@ impl ShadeTile<'_, '_> {
         simd: S,
         fragments: &[Fragment],
         display: &'e [[f32; 2]; 2],
+        loose: &'e mut Loose,
     ) -> Eight<'e, S> {
         let (mut x, mut y, mut coarseness) = ([0.0; 8], [0.0; 8], [1.0; 8]);
-        let mut names = [0; 8];
+        let mut beside = 0;
+        let every = (1u64 << self.msaa.positions()) - 1;
         for i in 0..8 {
             // Eight that are not full repeat their last.
             let fragment = &fragments[i.min(fragments.len() - 1)];
@@ -307,16 +369,24 @@ impl ShadeTile<'_, '_> {
             x[i] = (self.tile.origin.x + px) as f32 + 0.5 * width;
             y[i] = (self.tile.origin.y + py) as f32 + 0.5 * height;
             coarseness[i] = if width > height { width } else { height };
-            if fragment.triangle != SKY {
-                names[i] = fragment.triangle;
+            loose.names[i] = match fragment.triangle {
+                SKY => 0,
+                name => name,
+            };
+            if fragment.size != [1, 1] || fragment.seen != every {
+                beside |= 1 << i;
             }
         }
+        loose.find_depth([x, y], self.triangles);
         Eight {
             lattice: [F::from_slice(simd, &x), F::from_slice(simd, &y)],
             display,
-            inverse_w: None,
+            inverse_w: F::from_slice(simd, &loose.inverse_w),
             triangles: self.triangles,
-            names,
+            details: self.details,
+            beside,
+            slots: &loose.names,
+            of_slot: None,
             coarseness: F::from_slice(simd, &coarseness),
         }
     }
@@ -355,11 +425,16 @@ struct Eight<'a, S: Simd> {
     lattice: [F<S>; 2],
     /// Scale and shift from lattice to display pixels, for x and y.
     display: &'a [[f32; 2]; 2],
-    /// 1/w where the depth test left it; else that of the triangle's plane.
-    inverse_w: Option<F<S>>,
+    /// 1/w, as the depth test has it.
+    inverse_w: F<S>,
     triangles: &'a [Attributes],
-    /// Which triangle each lane sees.
-    names: [u32; 8],
+    details: &'a [Details],
+    /// Lanes whose place may lie outside of their triangle.
+    beside: u32,
+    /// Which triangle each lane sees: its slot, or its place among the visible.
+    slots: &'a [u32; 8],
+    /// Place among the visible of each slot.
+    of_slot: Option<&'a [u32]>,
     /// Along the longer side, how many samples share the evaluation.
     coarseness: F<S>,
 }
@@ -388,7 +463,8 @@ impl<S: Simd> Eight<'_, S> {
     /// What the samples see; a function of its own, shared by all materials.
     #[inline(always)]
     fn hit(&self, c: &ShadeContext<'_>, simd: S, needs: Needs) -> Hit<S> {
-        simd.vectorize(
+        apart(
+            simd,
             #[inline(always)]
             || self.hit_inline(c, simd, needs),
         )
@@ -397,49 +473,53 @@ impl<S: Simd> Eight<'_, S> {
     #[inline(always)]
     fn hit_inline(&self, c: &ShadeContext<'_>, simd: S, needs: Needs) -> Hit<S> {
         let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
-        let mut inverse_w = self.inverse_w.unwrap_or(one);
+        let w = one / self.inverse_w;
         let (mut normal, mut object) = (V3::splat(simd, [0.0; 3]), V3::splat(simd, [0.0; 3]));
         let (mut uv, mut per_metre) = ([zero; 2], [zero; 2]);
+        let needs_details = needs.object || needs.uv || self.beside != 0;
+        let beside = mask32x8::from_bitmask(simd, self.beside.into());
         // Neighbours mostly see the same triangle: one round for each that the lanes see.
-        let names = u32x8::from_slice(simd, &self.names);
+        let slots = u32x8::from_slice(simd, self.slots);
         let mut rest = 0xffu32;
         while rest != 0 {
-            let name = self.names[rest.trailing_zeros() as usize];
-            let here = names.simd_eq(name);
+            let slot = self.slots[rest.trailing_zeros() as usize & 7];
+            let here = slots.simd_eq(slot);
             rest &= !(here.to_bitmask() as u32);
-            let a = &self.triangles[name as usize].0;
+            let name = self.of_slot.map_or(slot, |places| places[slot as usize]) as usize;
+            let a = &self.triangles[name].0;
             let dx = self.lattice[0] - a[Attributes::CORNER];
             let dy = self.lattice[1] - a[Attributes::CORNER + 1];
-            if self.inverse_w.is_none() {
-                // As the depth test has it, to the bit.
-                let d = Attributes::DEPTH;
-                let depth = dx * a[d + 1] + a[d] + dy * a[d + 2];
-                let depth = max(min(depth, splat(simd, a[d + 4])), splat(simd, a[d + 3]));
-                inverse_w = here.select(depth, inverse_w);
+            let over_w = V3 {
+                x: plane(a, Attributes::NORMAL, 3, dx, dy),
+                y: plane(a, Attributes::NORMAL + 1, 3, dx, dy),
+                z: plane(a, Attributes::NORMAL + 2, 3, dx, dy),
+            };
+            normal = select(here, over_w, normal);
+            if !needs_details {
+                continue;
             }
-            let w = one / inverse_w;
-            let weight = Attributes::WEIGHTS;
-            let second = (dx * a[weight + 1] + a[weight] + dy * a[weight + 2]) * w;
-            let third = (dx * a[weight + 4] + a[weight + 3] + dy * a[weight + 5]) * w;
-            // Snapping may put a sample just outside its triangle: its attributes stay within.
+            let a = &self.details[name].0;
+            let weight = Details::WEIGHTS;
+            let second = plane(a, weight, 1, dx, dy) * w;
+            let third = plane(a, weight + 3, 1, dx, dy) * w;
+            // A place beside its triangle has the attributes of one within.
             let second = saturate(second);
             let third = min(saturate(third), one - second);
-            let n = triple(a, Attributes::NORMAL, second, third);
-            normal = select(here, n, normal);
+            let within = triple(a, Details::NORMAL, second, third);
+            normal = select(here & beside, within, normal);
             if needs.object {
-                object = select(here, triple(a, Attributes::OBJECT, second, third), object);
-                per_metre[0] = here.select(splat(simd, a[Attributes::PER_METRE]), per_metre[0]);
+                object = select(here, triple(a, Details::OBJECT, second, third), object);
+                per_metre[0] = here.select(splat(simd, a[Details::PER_METRE]), per_metre[0]);
             }
             if needs.uv {
-                for k in 0..2 {
-                    let value = blend(a, Attributes::UV + k, 2, second, third);
-                    uv[k] = here.select(value, uv[k]);
+                for (k, uv) in uv.iter_mut().enumerate() {
+                    let value = blend(a, Details::UV + k, 2, second, third);
+                    *uv = here.select(value, *uv);
                 }
-                let scale = splat(simd, a[Attributes::PER_METRE + 1]);
+                let scale = splat(simd, a[Details::PER_METRE + 1]);
                 per_metre[1] = here.select(scale, per_metre[1]);
             }
         }
-        let w = one / inverse_w;
         let (direction, angle) = self.ray(c);
         let world = V3::splat(simd, c.eye).add(direction.scale(w));
         let normal = normal.normalize();
@@ -471,10 +551,16 @@ impl<S: Simd> Eight<'_, S> {
     }
 }
 
+/// Value of a plane whose start and changes along x and y are `stride` apart.
+#[inline(always)]
+fn plane<S: Simd>(a: &[f32], first: usize, stride: usize, dx: F<S>, dy: F<S>) -> F<S> {
+    dx * a[first + stride] + a[first] + dy * a[first + 2 * stride]
+}
+
 /// Attribute `first` of a triangle, whose changes follow in steps of `stride`.
 #[inline(always)]
 fn blend<S: Simd>(
-    a: &[f32; Attributes::COUNT],
+    a: &[f32; Details::COUNT],
     first: usize,
     stride: usize,
     second: F<S>,
@@ -484,7 +570,7 @@ fn blend<S: Simd>(
 }
 
 #[inline(always)]
-fn triple<S: Simd>(a: &[f32; Attributes::COUNT], first: usize, second: F<S>, third: F<S>) -> V3<S> {
+fn triple<S: Simd>(a: &[f32; Details::COUNT], first: usize, second: F<S>, third: F<S>) -> V3<S> {
     V3 {
         x: blend(a, first, 3, second, third),
         y: blend(a, first + 1, 3, second, third),

@@ -2,7 +2,7 @@ use fearless_simd::prelude::*;
 use foveasim_assets::{AnalyticSky, Sky};
 
 use super::environment::environment;
-use super::lanes::{F, Simd, V3, max, mix, saturate, smoothstep, splat};
+use super::lanes::{F, Simd, V3, apart, max, mix, saturate, smoothstep, splat};
 use super::noise::{Fractal, fractal_2d};
 use super::shade::Light;
 
@@ -12,11 +12,13 @@ pub(super) fn sky<S: Simd>(simd: S, sky: &Sky, light: &Light, d: V3<S>, angle: F
     match sky {
         Sky::Uniform(colour) => V3::splat(simd, *colour),
         // A function of its own: called for the background and for each mirror.
-        Sky::Analytic(a) => simd.vectorize(
+        Sky::Analytic(a) => apart(
+            simd,
             #[inline(always)]
             || analytic(simd, a, light, d, angle),
         ),
-        Sky::Map(map) => simd.vectorize(
+        Sky::Map(map) => apart(
+            simd,
             #[inline(always)]
             || environment(simd, map, light, d, angle),
         ),

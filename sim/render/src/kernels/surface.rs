@@ -1,7 +1,7 @@
 use fearless_simd::prelude::*;
 use foveasim_assets::{Pattern, Sky, Surface};
 
-use super::lanes::{F, Simd, V3, max, mix, saturate, smoothstep, splat};
+use super::lanes::{F, Simd, V3, max, mix, piece, saturate, smoothstep, splat};
 use super::noise::{Fractal, fractal_3d, visible};
 use super::shade::{Hit, Light};
 use super::sky::sky;
@@ -17,7 +17,11 @@ pub(super) fn surface<S: Simd>(
     hit: &Hit<S>,
 ) -> V3<S> {
     let (one, zero) = (splat(simd, 1.0), splat(simd, 0.0));
-    let share = pattern(simd, m, hit);
+    let share = piece(
+        simd,
+        #[inline(always)]
+        || pattern(simd, m, hit),
+    );
     let albedo = V3::splat(simd, m.albedo[0]).mix(V3::splat(simd, m.albedo[1]), share);
 
     let (n, v) = (hit.normal, hit.view);

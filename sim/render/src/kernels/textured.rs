@@ -86,6 +86,7 @@ mod tests {
     use fearless_simd::prelude::*;
     use foveasim_assets::{Encoding, Material, SceneParts, Sky, Sun, Texture, Wrap, study_sky};
 
+    use super::super::lanes::Simd;
     use super::super::{Kernel, dispatch};
     use super::*;
     use crate::Simd as Choice;

@@ -231,6 +231,7 @@ impl SetUpEight<'_, '_> {
                     [bounds[2][lane] as u16, bounds[3][lane] as u16],
                 ],
                 is_small: tiny >> lane & 1 != 0,
+                is_whole: true,
                 object: self.object,
                 triangle: (first + lane as u32) | if behind { BEHIND } else { 0 },
             });

@@ -2,21 +2,22 @@ use fearless_simd::prelude::*;
 use foveasim_models::{Msaa, Work};
 
 use super::Kernel;
+use super::blocks::{BLOCK_AT, BLOCKS, CELL_OF, QUADS};
+use super::edge::Edge;
 use super::lanes::{F, Simd, i32x8, mask32x8, max, min, splat, three, two, u32x8};
 use crate::msaa::offsets;
 use crate::project::SUBSAMPLES;
-use crate::raster::{Object, PassTriangles, SetUpTriangle, TriangleRef};
-use crate::tile::{BLOCK, BLOCKS_ACROSS, CELL, CELLS_ACROSS, SampleTile, TILE, TileBuffers};
+use crate::raster::{Object, SetUpTriangle};
+use crate::tile::{BLOCK, BLOCKS_ACROSS, CELL, CELLS_ACROSS, LIST, SampleTile, TileBuffers};
 
-/// A cell's farthest depth is looked up anew after this many triangles have changed it.
-const STALE: u8 = 4;
+/// A cell's farthest depth is looked up anew after this many blocks in it have been drawn to.
+const STALE: u8 = 16;
 
 /// Finds the nearest triangle at each position of visibility of a tile's samples.
 pub(crate) struct RasterizeTile<'a> {
     pub(crate) tile: &'a SampleTile,
-    pub(crate) triangles: &'a PassTriangles,
     /// Those that meet the tile.
-    pub(crate) names: &'a [TriangleRef],
+    pub(crate) triangles: &'a [SetUpTriangle],
     pub(crate) objects: &'a [Object],
     pub(crate) msaa: Msaa,
     /// Whether what lies behind all that a cell shows is left out.
@@ -39,7 +40,67 @@ impl Kernel for RasterizeTile<'_> {
 
 impl RasterizeTile<'_> {
     #[inline(always)]
-    fn draw<S: Simd, const P: usize>(mut self, simd: S, offsets: [[i32; 2]; P]) {
+    fn draw<S: Simd, const P: usize>(self, simd: S, offsets: [[i32; 2]; P]) {
+        let buffers = self.buffers;
+        let mut drawing = Drawing::<P> {
+            triangles: self.triangles,
+            objects: self.objects,
+            skip_occluded: self.skip_occluded,
+            depth: blocks(&mut buffers.depth),
+            slot: blocks(&mut buffers.slot),
+            valid: buffers
+                .valid
+                .as_slice()
+                .try_into()
+                .expect("a tile of blocks"),
+            farthest: &mut buffers.farthest,
+            changed: &mut buffers.changed,
+            found: &mut buffers.found,
+        };
+        let mut counts = Counts::default();
+        drawing.all(simd, self.tile, &offsets, &mut counts);
+        self.work.triangles_occluded += counts.triangles_occluded;
+        self.work.cells_occluded += counts.cells_occluded;
+        self.work.samples_tested += counts.blocks_tested * 8;
+        self.work.samples_covered += counts.samples_covered;
+        self.work.quads += counts.quads;
+    }
+}
+
+/// The blocks of a tile, `P` positions each: a fixed number, so that no place in them need be checked.
+#[inline(always)]
+fn blocks<T, const P: usize>(rows: &mut [T]) -> &mut [[T; P]; BLOCKS] {
+    let blocks = rows.as_chunks_mut().0;
+    (&mut blocks[..BLOCKS])
+        .try_into()
+        .expect("a tile of blocks")
+}
+
+/// A tile being drawn, at `P` positions of visibility per sample.
+struct Drawing<'a, const P: usize> {
+    triangles: &'a [SetUpTriangle],
+    objects: &'a [Object],
+    skip_occluded: bool,
+    depth: &'a mut [[[f32; 8]; P]; BLOCKS],
+    slot: &'a mut [[[u32; 8]; P]; BLOCKS],
+    valid: &'a [u8; BLOCKS],
+    farthest: &'a mut [f32; CELLS],
+    changed: &'a mut [u8; CELLS],
+    found: &'a mut [u32; LIST],
+}
+
+/// Cells of a tile.
+const CELLS: usize = (CELLS_ACROSS * CELLS_ACROSS) as usize;
+
+impl<const P: usize> Drawing<'_, P> {
+    #[inline(always)]
+    fn all<S: Simd>(
+        &mut self,
+        simd: S,
+        tile: &SampleTile,
+        offsets: &[[i32; 2]; P],
+        counts: &mut Counts,
+    ) {
         let lane_x = i32x8::from_slice(simd, &[0, 1, 2, 3, 0, 1, 2, 3]);
         let lane_y = i32x8::from_slice(simd, &[0, 0, 0, 0, 1, 1, 1, 1]);
         let lanes = Lanes {
@@ -48,12 +109,9 @@ impl RasterizeTile<'_> {
             fx: lane_x.to_float(),
             fy: lane_y.to_float(),
         };
-        let all = self.triangles;
-        let names = self.names;
-        let origin = [self.tile.origin.x as i32, self.tile.origin.y as i32];
-        let last = [self.tile.size.x as i32 - 1, self.tile.size.y as i32 - 1];
-        for (name, place) in names.iter().zip(1..) {
-            let t = all.get(*name);
+        let origin = [tile.origin.x as i32, tile.origin.y as i32];
+        let last = [tile.size.x as i32 - 1, tile.size.y as i32 - 1];
+        for (t, place) in self.triangles.iter().zip(1..) {
             let [x0, y0] = two(
                 #[inline(always)]
                 |k| (i32::from(t.bounds[k][0]) - origin[k]).max(0),
@@ -65,48 +123,36 @@ impl RasterizeTile<'_> {
             let cells = [[x0 / CELL, x1 / CELL], [y0 / CELL, y1 / CELL]];
             let across = cells[0][1] - cells[0][0] + 1;
             let down = cells[1][1] - cells[1][0] + 1;
-            let depth = Depth::<S, P>::new(simd, t, origin, &offsets, &lanes, place);
+            let depth = Depth::<S, P>::new(simd, t, origin, offsets, &lanes, place);
             if t.is_small && across * down <= 4 {
-                if self.skip_occluded && self.hidden(simd, cells, t.depth_range[1], P) {
-                    self.work.triangles_occluded += 1;
+                if self.skip_occluded && self.hidden(simd, cells, t.depth_range[1]) {
+                    counts.triangles_occluded += 1;
                     continue;
                 }
                 let blocks = [[x0 / 4, x1 / 4], [y0 / 2, y1 / 2]];
-                self.small(simd, t, &depth, origin, &offsets, &lanes, blocks);
-                for cy in cells[1][0]..=cells[1][1] {
-                    for cx in cells[0][0]..=cells[0][1] {
-                        let cell = (cy * CELLS_ACROSS + cx) as usize;
-                        self.buffers.changed[cell] = self.buffers.changed[cell].saturating_add(1);
-                    }
-                }
+                self.small(simd, t, &depth, origin, offsets, &lanes, blocks, counts);
             } else {
                 let bounds = [[x0, x1], [y0, y1]];
-                self.large(simd, t, &depth, origin, &offsets, &lanes, bounds);
+                self.large(simd, t, &depth, origin, offsets, &lanes, bounds, counts);
             }
         }
     }
 
     /// Whether all that the cells show is nearer than `nearest` 1/w.
     #[inline(always)]
-    fn hidden<S: Simd>(
-        &mut self,
-        simd: S,
-        cells: [[i32; 2]; 2],
-        nearest: f32,
-        positions: usize,
-    ) -> bool {
+    fn hidden<S: Simd>(&mut self, simd: S, cells: [[i32; 2]; 2], nearest: f32) -> bool {
         for cy in cells[1][0]..=cells[1][1] {
             for cx in cells[0][0]..=cells[0][1] {
-                let cell = (cy * CELLS_ACROSS + cx) as usize;
-                if nearest < self.buffers.farthest[cell] {
+                let cell = (cy * CELLS_ACROSS + cx) as usize % CELLS;
+                if nearest < self.farthest[cell] {
                     continue;
                 }
-                if self.buffers.changed[cell] < STALE {
+                if self.changed[cell] < STALE {
                     return false;
                 }
-                self.buffers.changed[cell] = 0;
-                self.buffers.farthest[cell] = self.farthest(simd, [cx, cy], positions);
-                if nearest >= self.buffers.farthest[cell] {
+                self.changed[cell] = 0;
+                self.farthest[cell] = self.least(simd, [cx, cy]);
+                if nearest >= self.farthest[cell] {
                     return false;
                 }
             }
@@ -116,17 +162,21 @@ impl RasterizeTile<'_> {
 
     /// Least 1/w of a cell.
     #[inline(always)]
-    fn farthest<S: Simd>(&self, simd: S, [cx, cy]: [i32; 2], positions: usize) -> f32 {
+    fn least<S: Simd>(&self, simd: S, [cx, cy]: [i32; 2]) -> f32 {
         let mut least = splat(simd, f32::MAX);
         for by in cy * CELL / 2..(cy + 1) * CELL / 2 {
             let first = by as usize * BLOCKS_ACROSS as usize + (cx * CELL / 4) as usize;
             // The two blocks of a cell's row lie side by side.
-            let range = first * positions * 8..(first + 2) * positions * 8;
-            for (k, depth) in self.buffers.depth[range].chunks_exact(8).enumerate() {
-                if self.buffers.valid[first + k / positions] == 0xff {
-                    least = min(F::from_slice(simd, depth), least);
-                } else if self.buffers.valid[first + k / positions] != 0 {
-                    return 0.0;
+            for block in first..first + 2 {
+                let block = block % BLOCKS;
+                match self.valid[block] {
+                    0xff => {
+                        for depth in &self.depth[block] {
+                            least = min(F::from_slice(simd, depth), least);
+                        }
+                    }
+                    0 => {}
+                    _ => return 0.0,
                 }
             }
         }
@@ -138,7 +188,7 @@ impl RasterizeTile<'_> {
 
     /// A triangle of a few cells: all blocks of its bounds are tested.
     #[inline(always)]
-    fn small<S: Simd, const P: usize>(
+    fn small<S: Simd>(
         &mut self,
         simd: S,
         t: &SetUpTriangle,
@@ -147,65 +197,68 @@ impl RasterizeTile<'_> {
         offsets: &[[i32; 2]; P],
         lanes: &Lanes<S>,
         [[bx0, bx1], [by0, by1]]: [[i32; 2]; 2],
+        counts: &mut Counts,
     ) {
         let [a, b, c] = t.corners;
         let first = [
             (origin[0] + bx0 * BLOCK[0] as i32) * SUBSAMPLES + SUBSAMPLES / 2,
             (origin[1] + by0 * BLOCK[1] as i32) * SUBSAMPLES + SUBSAMPLES / 2,
         ];
-        let mut step = [[0; 2]; 3];
-        let mut rows = [[i32x8::splat(simd, 0); P]; 3];
+        let zero = i32x8::splat(simd, 0);
+        // To the next block of the row, and to the first block of the next row.
+        let mut steps = [[zero; 3]; 2];
+        let mut values = [[zero; P]; 3];
         for (k, (from, to)) in [(a, b), (b, c), (c, a)].into_iter().enumerate() {
             let d = [to[0] - from[0], to[1] - from[1]];
             let p = [first[0] - from[0], first[1] - from[1]];
             let top_left = d[1] < 0 || (d[1] == 0 && d[0] > 0);
             let value = d[0] * p[1] - d[1] * p[0] - i32::from(!top_left);
             let across = lanes.y * d[0] - lanes.x * d[1];
-            for (row, o) in rows[k].iter_mut().zip(offsets) {
+            for (values, o) in values[k].iter_mut().zip(offsets) {
                 // All values at one position are congruent: see [`Edge`].
                 let at = (value + d[0] * o[1] - d[1] * o[0]) >> SUBSAMPLES.ilog2();
-                *row = across + at;
+                *values = across + at;
             }
-            step[k] = [-d[1] * BLOCK[0] as i32, d[0] * BLOCK[1] as i32];
+            let [across, down] = [-d[1] * BLOCK[0] as i32, d[0] * BLOCK[1] as i32];
+            steps[0][k] = i32x8::splat(simd, across);
+            steps[1][k] = i32x8::splat(simd, down - (bx1 - bx0) * across);
         }
-        let zero = i32x8::splat(simd, 0);
-        // First which blocks are covered, without a branch for each; then those.
+        // First which blocks are covered, in one loop without a branch for each: trip counts and
+        // coverage are hard to foresee. Then those.
+        let blocks = (bx1 - bx0 + 1) * (by1 - by0 + 1);
+        let mut block = by0 * BLOCKS_ACROSS as i32 + bx0;
+        let mut left = bx1 - bx0;
         let mut count = 0;
-        for by in by0..=by1 {
-            let mut values = rows;
-            for bx in bx0..=bx1 {
-                for p in 0..P {
-                    let signs = values[0][p] | values[1][p] | values[2][p];
-                    let inside = signs.simd_ge(zero).to_bitmask() as u32;
-                    let name = inside | (p as u32) << 8 | (bx as u32) << 16 | (by as u32) << 24;
-                    self.buffers.found[count] = name;
-                    count += usize::from(inside != 0);
-                    for k in 0..3 {
-                        values[k][p] = values[k][p] + step[k][0];
-                    }
-                }
+        for _ in 0..blocks {
+            let [first, second, third] = &values;
+            for (p, ((a, b), c)) in first.iter().zip(second).zip(third).enumerate() {
+                let signs = *a | *b | *c;
+                let inside = signs.simd_ge(zero).to_bitmask() as u32;
+                self.found[count % LIST] = inside | (p as u32) << 8 | (block as u32) << 16;
+                count += usize::from(inside != 0);
             }
+            let wraps = left == 0;
+            let step = &steps[usize::from(wraps)];
             for k in 0..3 {
-                for row in &mut rows[k] {
-                    *row = *row + step[k][1];
+                for value in &mut values[k] {
+                    *value += step[k];
                 }
             }
+            let back = bx1 - bx0;
+            block += if wraps {
+                BLOCKS_ACROSS as i32 - back
+            } else {
+                1
+            };
+            left = if wraps { back } else { left - 1 };
         }
-        for k in 0..count {
-            let name = self.buffers.found[k];
-            let [inside, p, bx, by] = name.to_le_bytes();
-            let (p, bx, by) = (p as usize, i32::from(bx), i32::from(by));
-            let block = (by * BLOCKS_ACROSS as i32 + bx) as usize;
-            let inside = mask32x8::from_bitmask(simd, u64::from(inside));
-            self.block(simd, block, [bx, by], p, inside, depth);
-        }
-        let blocks = ((bx1 - bx0 + 1) * (by1 - by0 + 1)) as u64;
-        self.work.samples_tested += blocks * 8 * P as u64;
+        self.blocks(simd, count, depth, counts);
+        counts.blocks_tested += blocks as u64 * P as u64;
     }
 
     /// Any triangle: cell by cell.
     #[inline(always)]
-    fn large<S: Simd, const P: usize>(
+    fn large<S: Simd>(
         &mut self,
         simd: S,
         t: &SetUpTriangle,
@@ -214,6 +267,7 @@ impl RasterizeTile<'_> {
         offsets: &[[i32; 2]; P],
         lanes: &Lanes<S>,
         [[x0, x1], [y0, y1]]: [[i32; 2]; 2],
+        counts: &mut Counts,
     ) {
         let [a, b, c] = t.corners;
         let edges = [
@@ -230,7 +284,6 @@ impl RasterizeTile<'_> {
             |k| lanes.x * edges[k].step[0] + lanes.y * edges[k].step[1],
         );
         let zero = i32x8::splat(simd, 0);
-        let everywhere = zero.simd_ge(zero);
         for cell_y in y0 / CELL..=y1 / CELL {
             for cell_x in x0 / CELL..=x1 / CELL {
                 let (x, y) = (cell_x * CELL, cell_y * CELL);
@@ -242,89 +295,105 @@ impl RasterizeTile<'_> {
                     continue;
                 }
                 let here = [[cell_x; 2], [cell_y; 2]];
-                if self.skip_occluded && self.hidden(simd, here, t.depth_range[1], P) {
-                    self.work.cells_occluded += 1;
+                if self.skip_occluded && self.hidden(simd, here, t.depth_range[1]) {
+                    counts.cells_occluded += 1;
                     continue;
                 }
                 let accepted = (over[0][1] | over[1][1] | over[2][1]) >= 0;
-                for by in y0.max(y) / 2..=y1.min(y + CELL - 1) / 2 {
-                    for bx in x0.max(x) / 4..=x1.min(x + CELL - 1) / 4 {
-                        let block = (by * BLOCKS_ACROSS as i32 + bx) as usize;
-                        let (x, y) = (bx * BLOCK[0] as i32, by * BLOCK[1] as i32);
-                        for p in 0..P {
-                            let inside = if accepted {
-                                everywhere
-                            } else {
-                                let signs = (across[0] + edges[0].at(p, x, y))
-                                    | (across[1] + edges[1].at(p, x, y))
-                                    | (across[2] + edges[2].at(p, x, y));
-                                signs.simd_ge(zero)
-                            };
-                            self.block(simd, block, [bx, by], p, inside, depth);
-                        }
-                        self.work.samples_tested += 8 * P as u64;
+                let (first_x, last_x) = (x0.max(x) / 4, x1.min(x + CELL - 1) / 4);
+                let (first_y, last_y) = (y0.max(y) / 2, y1.min(y + CELL - 1) / 2);
+                let (mut bx, mut by, mut count) = (first_x, first_y, 0);
+                while by <= last_y {
+                    let block = by * BLOCKS_ACROSS as i32 + bx;
+                    let (x, y) = (bx * BLOCK[0] as i32, by * BLOCK[1] as i32);
+                    for p in 0..P {
+                        let signs = (across[0] + edges[0].at(p, x, y))
+                            | (across[1] + edges[1].at(p, x, y))
+                            | (across[2] + edges[2].at(p, x, y));
+                        let inside = signs.simd_ge(zero).to_bitmask() as u32;
+                        let inside = if accepted { 0xff } else { inside };
+                        self.found[count % LIST] = inside | (p as u32) << 8 | (block as u32) << 16;
+                        count += usize::from(inside != 0);
                     }
+                    counts.blocks_tested += P as u64;
+                    let wraps = bx == last_x;
+                    bx = if wraps { first_x } else { bx + 1 };
+                    by += i32::from(wraps);
                 }
-                let cell = (cell_y * CELLS_ACROSS + cell_x) as usize;
-                self.buffers.changed[cell] = self.buffers.changed[cell].saturating_add(1);
+                self.blocks(simd, count, depth, counts);
             }
         }
     }
 
-    /// Depth test at one position of the samples of a block that are inside the triangle.
+    /// Depth test of the first `count` blocks found to be covered.
     #[inline(always)]
-    fn block<S: Simd, const P: usize>(
-        &mut self,
-        simd: S,
-        block: usize,
-        [bx, by]: [i32; 2],
-        p: usize,
-        inside: mask32x8<S>,
-        depth: &Depth<S, P>,
-    ) {
-        let covered = inside.to_bitmask() as u32 & u32::from(self.buffers.valid[block]);
-        if covered == 0 {
-            return;
+    fn blocks<S: Simd>(&mut self, simd: S, count: usize, depth: &Depth<S, P>, counts: &mut Counts) {
+        let mut any_tie = 0;
+        for name in &self.found[..count.min(LIST)] {
+            let (inside, p, block) = parts::<P>(*name);
+            let covered = inside & u32::from(self.valid[block]);
+            let lanes = mask32x8::from_bitmask(simd, covered.into());
+            counts.samples_covered += u64::from(covered.count_ones());
+            let at = depth.at(p, block);
+            let stored = F::from_slice(simd, &self.depth[block][p]);
+            any_tie |= (lanes & at.simd_eq(stored)).to_bitmask() as u32;
+            // Written whether or not anything changes: which is hard to foresee.
+            let nearer = lanes & at.simd_gt(stored);
+            counts.quads += u64::from(QUADS[nearer.to_bitmask() as usize & 0xff]);
+            nearer
+                .select(at, stored)
+                .store_slice(&mut self.depth[block][p]);
+            let slots = u32x8::from_slice(simd, &self.slot[block][p]);
+            nearer
+                .select(depth.slot, slots)
+                .store_slice(&mut self.slot[block][p]);
+            let changed = &mut self.changed[CELL_OF[block] as usize % CELLS];
+            *changed = changed.saturating_add(1);
         }
-        self.work.samples_covered += u64::from(covered.count_ones());
-        let at = depth.at(simd, p, bx * BLOCK[0] as i32, by * BLOCK[1] as i32);
-        let first = (block * P + p) * 8;
-        let stored = F::from_slice(simd, &self.buffers.depth[first..first + 8]);
-        let nearer = inside & at.simd_gt(stored);
-        let ties = (inside & at.simd_eq(stored)).to_bitmask() as u32 & covered;
-        if ties != 0 {
-            self.tie(first, ties, depth.place);
+        if any_tie != 0 {
+            self.break_ties(count, depth);
         }
-        let seen = nearer.to_bitmask() as u32 & covered;
-        if seen == 0 {
-            return;
-        }
-        // Lanes 0, 1, 4, 5 are one quad of 2 × 2 samples, the others the second.
-        let quads = u64::from(seen & 0x33 != 0) + u64::from(seen & 0xcc != 0);
-        self.work.quads += quads;
-        nearer
-            .select(at, stored)
-            .store_slice(&mut self.buffers.depth[first..first + 8]);
-        let slots = u32x8::from_slice(simd, &self.buffers.slot[first..first + 8]);
-        nearer
-            .select(depth.slot, slots)
-            .store_slice(&mut self.buffers.slot[first..first + 8]);
     }
 
     /// Of equal depths, the triangle that comes first in the scene stays.
+    #[cold]
     #[inline(never)]
-    fn tie(&mut self, first: usize, lanes: u32, place: u32) {
+    fn break_ties<S: Simd>(&mut self, count: usize, depth: &Depth<S, P>) {
         let name = |slot: u32| {
-            let t = self.triangles.get(self.names[slot as usize - 1]);
+            let t = &self.triangles[slot as usize - 1];
             (self.objects[t.object as usize].instance, t.index())
         };
-        for lane in (0..8).filter(|lane| lanes >> lane & 1 != 0) {
-            let old = self.buffers.slot[first + lane];
-            if old != 0 && name(place) < name(old) {
-                self.buffers.slot[first + lane] = place;
+        for found in &self.found[..count.min(LIST)] {
+            let (inside, p, block) = parts::<P>(*found);
+            let covered = inside & u32::from(self.valid[block]);
+            let at = depth.at(p, block).to_array();
+            for lane in (0..8).filter(|lane| covered >> lane & 1 != 0) {
+                let slot = &mut self.slot[block][p][lane];
+                let ties = at[lane] == self.depth[block][p][lane];
+                if ties && *slot != 0 && name(depth.place) < name(*slot) {
+                    *slot = depth.place;
+                }
             }
         }
     }
+}
+
+/// Lanes, position and block of an entry of the list of covered blocks.
+#[inline(always)]
+fn parts<const P: usize>(found: u32) -> (u32, usize, usize) {
+    let p = found as usize >> 8 & 0xff;
+    (found & 0xff, p % P, (found >> 16) as usize % BLOCKS)
+}
+
+/// Work done so far, kept in registers.
+#[derive(Default)]
+struct Counts {
+    triangles_occluded: u64,
+    cells_occluded: u64,
+    /// At each position of visibility.
+    blocks_tested: u64,
+    samples_covered: u64,
+    quads: u64,
 }
 
 /// Places of a block's samples relative to its first.
@@ -341,10 +410,9 @@ struct Depth<S: Simd, const P: usize> {
     range: [F<S>; 2],
     slot: u32x8<S>,
     place: u32,
-    offset: [[f32; 2]; P],
     corner: f32,
-    fx: F<S>,
-    fy: F<S>,
+    /// From the first corner to the samples of the tile's first block, at each position.
+    from: [[F<S>; 2]; P],
 }
 
 impl<S: Simd, const P: usize> Depth<S, P> {
@@ -359,105 +427,32 @@ impl<S: Simd, const P: usize> Depth<S, P> {
     ) -> Self {
         let corner = t.corners[0];
         // Exact: multiples of 1/256 below 2¹⁵.
-        let offset = offsets.map(|o| {
-            [0, 1].map(|k| {
-                let from = origin[k] * SUBSAMPLES + SUBSAMPLES / 2 - corner[k] + o[k];
-                from as f32 * (1.0 / SUBSAMPLES as f32)
-            })
-        });
+        let mut from = [[lanes.fx, lanes.fy]; P];
+        for (from, o) in from.iter_mut().zip(offsets) {
+            for k in 0..2 {
+                let shift = origin[k] * SUBSAMPLES + SUBSAMPLES / 2 - corner[k] + o[k];
+                from[k] += shift as f32 * (1.0 / SUBSAMPLES as f32);
+            }
+        }
         Self {
             step: [t.depth[1], t.depth[2]],
             range: [splat(simd, t.depth_range[0]), splat(simd, t.depth_range[1])],
             slot: u32x8::splat(simd, place),
             place,
-            offset,
             corner: t.depth[0],
-            fx: lanes.fx,
-            fy: lanes.fy,
+            from,
         }
     }
 
-    /// At position `p` of the block whose first sample is (x, y).
+    /// At position `p` of a block.
     #[inline(always)]
-    fn at(&self, _simd: S, p: usize, x: i32, y: i32) -> F<S> {
-        let dx = self.fx + (self.offset[p][0] + x as f32);
-        let dy = self.fy + (self.offset[p][1] + y as f32);
+    fn at(&self, p: usize, block: usize) -> F<S> {
+        // Exact, as above.
+        let [x, y] = BLOCK_AT[block];
+        let dx = self.from[p][0] + x;
+        let dy = self.from[p][1] + y;
         let depth = dx * self.step[0] + self.corner + dy * self.step[1];
         // Extrapolated from the snapped corner, a sliver's depth could leave the triangle.
         max(min(depth, self.range[1]), self.range[0])
-    }
-}
-
-/// An edge function over the samples of a tile, at each position of visibility, in units of the
-/// sub-sample grid divided by 256: at sample (x, y) it is `at_origin + x·step[0] + y·step[1]`, and its
-/// sign is exact.
-///
-/// Between neighbouring samples an edge function changes by multiples of 256, so all its values at one
-/// position are congruent mod 256 and the low 8 bits can be dropped without losing the sign.
-#[derive(Clone, Copy)]
-struct Edge<const P: usize> {
-    at_origin: [i32; P],
-    step: [i32; 2],
-}
-
-impl<const P: usize> Edge<P> {
-    /// Inside everywhere.
-    const ACCEPTED: Self = Self {
-        at_origin: [0; P],
-        step: [0, 0],
-    };
-
-    /// The edge from `a` to `b`; `None` if no sample of the tile at sample `origin` is inside.
-    #[inline(always)]
-    fn new(a: [i32; 2], b: [i32; 2], origin: [i32; 2], offsets: &[[i32; 2]; P]) -> Option<Self> {
-        let d = [
-            i64::from(b[0]) - i64::from(a[0]),
-            i64::from(b[1]) - i64::from(a[1]),
-        ];
-        let half = SUBSAMPLES / 2;
-        let p = [0, 1].map(|k| {
-            i64::from(origin[k]) * i64::from(SUBSAMPLES) + i64::from(half) - i64::from(a[k])
-        });
-        // Top-left rule: a sample exactly on an edge belongs to the triangle below or right of it.
-        let top_left = d[1] < 0 || (d[1] == 0 && d[0] > 0);
-        let value = d[0] * p[1] - d[1] * p[0] - i64::from(!top_left);
-        let values = offsets.map(|o| {
-            (value + d[0] * i64::from(o[1]) - d[1] * i64::from(o[0])) >> SUBSAMPLES.ilog2()
-        });
-        let step = [-d[1], d[0]];
-        let last = i64::from(TILE) - 1;
-        let reach = |pick: fn(i64, i64) -> i64| {
-            let value = values.into_iter().reduce(pick).unwrap_or(0);
-            value + pick(0, step[0] * last) + pick(0, step[1] * last)
-        };
-        if reach(Ord::max) < 0 {
-            return None;
-        }
-        if reach(Ord::min) >= 0 {
-            return Some(Self::ACCEPTED);
-        }
-        // It crosses the tile, so |value| is at most 64·(|step x| + |step y|) < 2³¹ (see GUARD_SAMPLES).
-        Some(Self {
-            at_origin: values.map(|v| v as i32),
-            step: step.map(|s| s as i32),
-        })
-    }
-
-    #[inline(always)]
-    fn at(&self, p: usize, x: i32, y: i32) -> i32 {
-        self.at_origin[p] + x * self.step[0] + y * self.step[1]
-    }
-
-    /// Greatest and least value in the cell whose first sample is (x, y).
-    #[inline(always)]
-    fn over_cell(&self, x: i32, y: i32) -> [i32; 2] {
-        let [dx, dy] = self.step.map(|s| s * (CELL - 1));
-        let (mut high, mut low) = (i32::MIN, i32::MAX);
-        for p in 0..P {
-            let value = self.at(p, x, y);
-            high = high.max(value);
-            low = low.min(value);
-        }
-        [high + dx.max(0) + dy.max(0), low + dx.min(0) + dy.min(0)]
     }
 }

@@ -3,11 +3,12 @@
 mod attributes;
 mod bins;
 mod clip;
+mod coverage;
 mod geometry;
 mod plane;
 mod setup;
 
-pub(crate) use attributes::{Needs, attributes};
+pub(crate) use attributes::{Needs, attributes, details, vertices};
 pub(crate) use bins::Bins;
 pub(crate) use geometry::{EyeVertex, Object, ViewGeometry, bounds};
-pub(crate) use setup::{BEHIND, Emitter, PassTriangles, SetUp, SetUpTriangle, TriangleRef, set_up};
+pub(crate) use setup::{BEHIND, Emitter, PassTriangles, SetUp, SetUpTriangle, set_up};

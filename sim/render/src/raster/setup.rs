@@ -26,6 +26,9 @@ pub(crate) struct SetUpTriangle {
     pub(crate) bounds: [[u16; 2]; 2],
     /// Whether its edge functions fit 31 bits near it.
     pub(crate) is_small: bool,
+    /// Whether its corners are those of the mesh triangle (not of a part that clipping left), with an
+    /// area of 31 bits.
+    pub(crate) is_whole: bool,
     /// Which object of the view.
     pub(crate) object: u32,
     /// Which triangle of its mesh; the highest bit is set where it is seen from behind.
@@ -39,13 +42,6 @@ pub(crate) const BEHIND: u32 = 1 << 31;
 #[derive(Debug)]
 pub(crate) struct PassTriangles {
     jobs: Vec<Job>,
-}
-
-/// Names a triangle of a pass.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct TriangleRef {
-    job: u32,
-    place: u32,
 }
 
 /// What one worker set up: triangles, and which of them meet which tile.
@@ -132,18 +128,19 @@ fn segments(pass: &SetUp<'_>, objects: &[u32]) -> Vec<Vec<Segment>> {
 }
 
 impl PassTriangles {
-    /// Names the triangles that meet tile (x, y), in the order they were set up.
-    pub(crate) fn tile(&self, x: u32, y: u32, out: &mut Vec<TriangleRef>) {
+    /// The triangles that meet tile (x, y), in the order they were set up. Copied, so that what a tile
+    /// reads again and again lies together, and is fetched from far memory with all reads in flight.
+    pub(crate) fn tile(&self, x: u32, y: u32, out: &mut Vec<SetUpTriangle>) {
         out.clear();
-        for (job, k) in self.jobs.iter().zip(0..) {
+        for job in &self.jobs {
             let bin = job.bins.tile(x, y);
-            out.extend(bin.iter().map(|&place| TriangleRef { job: k, place }));
+            out.extend(bin.iter().map(|&place| job.triangles[place as usize]));
         }
     }
 
-    #[inline(always)]
-    pub(crate) fn get(&self, name: TriangleRef) -> &SetUpTriangle {
-        &self.jobs[name.job as usize].triangles[name.place as usize]
+    /// All triangles, in the order they were set up.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = &SetUpTriangle> {
+        self.jobs.iter().flat_map(|job| &job.triangles)
     }
 }
 
@@ -251,6 +248,7 @@ impl<'a> Emitter<'a> {
             depth_range: [0.0; 2],
             bounds: [[0; 2]; 2],
             is_small: false,
+            is_whole: false,
             object,
             triangle: triangle | if behind { BEHIND } else { 0 },
         };

@@ -113,7 +113,15 @@ impl Sequence {
         let mut options = *options;
         // What inner layers hide now may show while this pass waits, if the gaze moves.
         options.skip.hidden &= !self.options.staggered;
-        let drawn = draw_passes(scene, view, &plan, &due, &options, self.options.reproject);
+        let drawn = draw_passes(
+            scene,
+            view,
+            &plan,
+            &due,
+            &options,
+            self.options.reproject,
+            Vec::new(),
+        );
         let mut pass_work = Vec::new();
         for ((pass, history), new) in plan.passes.iter().zip(&mut histories).zip(drawn.passes) {
             let work = match new {

@@ -126,3 +126,20 @@ pub(crate) fn layers(view: &View, gaze_px: DVec2, layers: &[(f64, f64)]) -> Samp
     plan.resolve = Resolve::Feather(Feather { gaze, edges_tan });
     plan
 }
+
+/// The study scene with one mesh for each instance, whatever the distance.
+pub(crate) fn study_scene_without_lods(seed: u64) -> Scene {
+    let scene = foveasim_assets::study_scene(seed);
+    let instances = scene
+        .instances()
+        .iter()
+        .map(|i| Instance { lod: None, ..*i });
+    Scene::new(
+        scene.meshes().to_vec(),
+        instances.collect(),
+        scene.materials().to_vec(),
+        scene.sky().clone(),
+        *scene.sun(),
+    )
+    .unwrap()
+}

@@ -134,11 +134,14 @@ fn what_is_seen_is_found_where_it_was() {
     let view = view(120, 80, eye(0.0, 0.0));
     let scene = scene(square(), &[(checkered(), still)], [0.0; 3]);
     let plans = gaze(&view);
+    // What the inner layer hides in one frame would have no history in the next.
+    let mut options = options();
+    options.skip.hidden = false;
     let frames = [0, 1].map(|k| {
-        let frame = sequence.draw(&scene, &view, &plans[k], k as u64, &options());
+        let frame = sequence.draw(&scene, &view, &plans[k], k as u64, &options);
         frame.unwrap()
     });
-    let fresh = render(&scene, &view, &plans[1], &options()).unwrap();
+    let fresh = render(&scene, &view, &plans[1], &options).unwrap();
     let shift = DVec2::new(11.5, 8.0) / 1.3;
     let mut compared = 0;
     for y in 0..30 {

@@ -3,7 +3,7 @@
 /// A column of Table 1.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Column {
-    /// I: foveated at the settings of the informal study (in a supplement; see [`INFORMAL_PIXELS`]).
+    /// I: foveated at the settings of the informal study (in a supplement; its pixel count is the paper's).
     Informal,
     /// Q_A: foveated at quality A.
     QualityA,

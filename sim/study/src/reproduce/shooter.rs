@@ -10,6 +10,7 @@ use foveasim_models::{
 };
 use foveasim_render::{Frame, RenderOptions, Sequence, TemporalOptions};
 
+use super::payoff::coarser;
 use crate::FrameError;
 
 /// The three techniques of §4.2, each on or off.
@@ -39,6 +40,9 @@ pub(super) struct Shooter<'a> {
     method: Prepared,
     antialiasing: Antialiasing,
     due: Due,
+    /// How many times farther apart samples are, and then put together by interpolation.
+    step: Option<f64>,
+    in_turns: bool,
     sequence: Sequence,
 }
 
@@ -145,6 +149,8 @@ impl<'a> Shooter<'a> {
             method,
             antialiasing,
             due: Due::Planned,
+            step: None,
+            in_turns: true,
             sequence: Sequence::new(antialiasing.temporal(true)),
         }
     }
@@ -152,9 +158,23 @@ impl<'a> Shooter<'a> {
     /// The same with every layer drawn in every frame.
     pub(super) fn in_every_frame(self) -> Self {
         Self {
+            in_turns: false,
             sequence: Sequence::new(self.antialiasing.temporal(false)),
             ..self
         }
+    }
+
+    /// The same with samples `step` times as far apart, put together by interpolation.
+    pub(super) fn coarser(self, step: f64) -> Self {
+        Self {
+            step: Some(step),
+            ..self
+        }
+    }
+
+    /// Whether layers are drawn in the frames of their cadence alone.
+    pub(super) fn takes_turns(&self) -> bool {
+        self.in_turns
     }
 
     /// The same with other layers due.
@@ -169,7 +189,11 @@ impl<'a> Shooter<'a> {
 
     /// What is drawn in `frame`.
     pub(super) fn plan(&self, frame: u32) -> Result<SamplePlan, ModelError> {
-        let mut plan = self.method.plan(self.flight.gaze(frame))?;
+        let gaze = self.flight.gaze(frame);
+        let mut plan = self.method.plan(gaze)?;
+        if let Some(step) = self.step {
+            plan = coarser(plan, step, gaze.vector());
+        }
         let count = plan.passes.len();
         for (k, pass) in plan.passes.iter_mut().enumerate() {
             if self.antialiasing.msaa {

@@ -3,7 +3,6 @@ use foveasim_models::foveation::{Method, Request};
 use foveasim_models::math::{atan_deg, to_rad};
 use foveasim_models::{GazeDirection, Image, Nanos, Pose, Resolve, SamplePlan};
 use foveasim_quality::Measures;
-use foveasim_render::RenderOptions;
 use foveasim_reports::{
     Cell, ERROR_FULL_SCALE, ErrorMap, Outline, Table, error_map, image_digest, overlay, png,
     shrink, side_by_side,
@@ -12,7 +11,7 @@ use glam::{DQuat, DVec3};
 
 use super::RunError;
 use crate::frame::{QUALITY_COLUMNS, work_columns};
-use crate::{FrameOutcome, FrameStudy, Replay, ReplayFrame, Scenario, Shot};
+use crate::{Drawing, FrameOutcome, FrameStudy, Replay, ReplayFrame, Scenario, Shot, Sight};
 
 /// The pictures of a moment, as in their files' names: `moment-1-reference.png`.
 pub const MOMENT_PICTURES: [&str; 5] = ["reference", "frame", "layers", "error", "overview"];
@@ -113,11 +112,15 @@ fn moment(
         .then(upright(first_head).inverse())
         .then(frame.head());
     let study = FrameStudy {
-        scene,
-        world_from_eye: scene_from_head.then(panel.head_from_eye),
+        sight: Sight {
+            scene,
+            world_from_eye: scene_from_head.then(panel.head_from_eye),
+        },
+        before: Vec::new(),
+        first_frame: 0,
         gaze: gaze.unwrap_or(request.gaze),
         request: request.clone(),
-        options: RenderOptions::default(),
+        drawing: Drawing::default(),
     };
     let foveated = scenario
         .methods

@@ -19,7 +19,7 @@ pub(crate) struct Args {
     /// The paper: guenter2012 (Foveated 3D Graphics)
     #[arg(value_name = "PAPER")]
     paper: String,
-    /// Moments of the fly-through at which Table 1 is measured; Figs 10 and 11 take a third [default: 10]
+    /// Moments of the fly-through at which Table 1 is measured; Figs 10 and 11 take a third [default: 8]
     #[arg(long, value_name = "N", conflicts_with = "quick")]
     frames: Option<u32>,
     /// Pixels of the image; the field of view is that of the study's display [default: 1920x1080]

@@ -11,6 +11,9 @@ use crate::{Plane, QualityError, Rings};
 /// every measure here \[grey levels of 255\]. Its *flicker* is the standard deviation of e_k over the
 /// frames (of the population: of n frames, divided by n). What is constantly wrong, like blur of a
 /// still edge, does not flicker; what moves as the reference moves does not either.
+///
+/// An error that travels with a moving picture (blur of moving detail) varies at each pixel and so
+/// counts. The excess change tells it from twinkling: see [`FlickerMap::excess_change`].
 #[derive(Debug, Clone)]
 pub struct Flicker {
     size: UVec2,

@@ -105,11 +105,11 @@ pub struct Guenter2012Outcome {
 }
 
 impl Default for Guenter2012 {
-    /// The study's 1920 × 1080 pixels at 10 moments; antialiasing on 12 frames of half that size.
+    /// The study's 1920 × 1080 pixels at 8 moments; antialiasing on 12 frames of half that size.
     fn default() -> Self {
         Self {
             size: UVec2::new(1920, 1080),
-            moments: 10,
+            moments: 8,
             antialiasing_frames: 12,
             antialiasing_size: UVec2::new(960, 540),
             seed: 1,

@@ -263,7 +263,10 @@ fn flicker(page: &mut Page, found: &Guenter2012Outcome) {
             .map_or("", |q| q.name.as_str())
     };
     page.paragraph(&format!(
-        "Least flicker: {}. Most like the reference: {}.",
+        "Least flicker: {}. Most like the reference: {}. The camera moves, so an error that travels with \
+         the picture, such as the blur of history that is fetched bilinearly between samples, varies at \
+         each pixel and counts as flicker too; excess change tells the two apart: above zero is \
+         twinkling, below zero is blur or lag.",
         least(|q| q.flicker.mean),
         least(|q| -q.ssim),
     ));

@@ -136,6 +136,9 @@ impl<'a> Layer<'a> {
 struct RowScratch {
     /// Per layer but the last, its weight at each pixel of the row.
     weights: Vec<Vec<f32>>,
+    /// Per layer, its samples between the two rows beside the pixels': what is left is to interpolate
+    /// along the row. Empty where nothing of it shows.
+    between: Vec<Vec<[f32; 3]>>,
 }
 
 struct ResolveRow<'a> {
@@ -168,6 +171,20 @@ impl Kernel for ResolveRow<'_> {
                 }
             })
             .collect();
+        self.scratch.between.resize(self.layers.len(), Vec::new());
+        for (k, (layer, between)) in self
+            .layers
+            .iter()
+            .zip(&mut self.scratch.between)
+            .enumerate()
+        {
+            between.clear();
+            let weights = self.scratch.weights.get(k);
+            let shows = weights.is_none_or(|row| row.iter().any(|w| *w > 0.0));
+            if shows && layer.aligned.is_none() && layer.samples() > 0 {
+                layer.blend_rows(vertical[k], between);
+            }
+        }
         let mut work = Work {
             pixels_resolved: self.row.len() as u64,
             ..Work::default()
@@ -183,7 +200,8 @@ impl Kernel for ResolveRow<'_> {
                 .find(|&k| weight(k) == 1.0)
                 .unwrap_or(0);
             let mut fetch = |k: usize| {
-                self.layers[k].fetch([x, self.y as usize], vertical[k], &mut work.resolve_fetches)
+                let between = &self.scratch.between[k];
+                self.layers[k].fetch([x, self.y as usize], between, &mut work.resolve_fetches)
             };
             let mut colour = fetch(k);
             while k > 0 {
@@ -250,29 +268,41 @@ impl Layer<'_> {
         self.image.rgb.len()
     }
 
+    /// Interpolates between two rows of samples.
+    fn blend_rows(&self, (y0, y1, share): Beside, out: &mut Vec<[f32; 3]>) {
+        let stride = self.size.x as usize;
+        let row = |y: u32| &self.image.rgb[y as usize * stride..][..stride];
+        out.extend(row(y0).iter().zip(row(y1)).map(|(a, b)| {
+            let [a0, a1, a2] = *a;
+            let [b0, b1, b2] = *b;
+            [
+                a0 + share * (b0 - a0),
+                a1 + share * (b1 - a1),
+                a2 + share * (b2 - a2),
+            ]
+        }));
+    }
+
     /// The layer's colour at the centre of pixel (x, y): bilinear between sample centres, or the
     /// sample itself where samples are pixels.
     #[inline(always)]
-    fn fetch(&self, [x, y]: [usize; 2], vertical: Beside, count: &mut u64) -> [f32; 3] {
-        let stride = self.size.x as usize;
+    fn fetch(&self, [x, y]: [usize; 2], between: &[[f32; 3]], count: &mut u64) -> [f32; 3] {
         if let Some(origin) = self.aligned {
             *count += 1;
             let [sx, sy] = [0, 1].map(|k| {
                 let p = [x, y][k] as i64 - origin[k];
                 p.clamp(0, i64::from(self.size[k]) - 1) as usize
             });
-            return self.image.rgb[sy * stride + sx];
+            return self.image.rgb[sy * self.size.x as usize + sx];
         }
         *count += 4;
-        let (x0, x1, fx) = self.columns[x];
-        let (y0, y1, fy) = vertical;
-        let at = |x: u32, y: u32| self.image.rgb[y as usize * stride + x as usize];
-        let (a, b, c, d) = (at(x0, y0), at(x1, y0), at(x0, y1), at(x1, y1));
-        std::array::from_fn(|i| {
-            let low = a[i] + fx * (b[i] - a[i]);
-            let high = c[i] + fx * (d[i] - c[i]);
-            low + fy * (high - low)
-        })
+        let (x0, x1, share) = self.columns[x];
+        let (a, b) = (between[x0 as usize], between[x1 as usize]);
+        [
+            a[0] + share * (b[0] - a[0]),
+            a[1] + share * (b[1] - a[1]),
+            a[2] + share * (b[2] - a[2]),
+        ]
     }
 }
 

@@ -1,7 +1,7 @@
 use fearless_simd::prelude::*;
 use foveasim_assets::EnvironmentMap;
 
-use super::lanes::{F, Simd, V3, i32x8, max, min, splat, u32x8};
+use super::lanes::{F, Simd, V3, i32x8, max, min, splat, two, u32x8};
 use super::shade::Light;
 use super::sky::over_ground;
 
@@ -53,39 +53,53 @@ fn bilinear<S: Simd>(simd: S, map: &EnvironmentMap, level: u32x8<S>, place: [F<S
     let shrink: F<S> = ((u32x8::splat(simd, 127) - level) << 23).bitcast();
     let last = shrink * map.size() as f32 - 1.0;
     let size = last + 1.0;
-    let [(x0, x1, fx), (y0, y1, fy)] = place.map(|p| {
-        let at = min(max(p * size - 0.5, zero), last);
-        let low = at.floor();
-        let high = min(low + 1.0, last);
-        let whole = |x: F<S>| x.to_int::<i32x8<S>>().to_array();
-        (whole(low), whole(high), at - low)
-    });
+    let [(x0, x1, fx), (y0, y1, fy)] = two(
+        #[inline(always)]
+        |k| {
+            let at = min(max(place[k] * size - 0.5, zero), last);
+            let low = at.floor();
+            let high = min(low + 1.0, last);
+            let (first, second) = (low.to_int::<i32x8<S>>(), high.to_int::<i32x8<S>>());
+            (first.to_array(), second.to_array(), at - low)
+        },
+    );
     let level = level.to_array();
-    let texel = |x: [i32; 8], y: [i32; 8]| {
-        let mut texels = [0; 8];
-        for lane in 0..8 {
-            let level = level[lane] as usize;
-            let row = y[lane] as usize * (map.size() as usize >> level);
-            texels[lane] = map.texels()[map.starts()[level] + row + x[lane] as usize];
-        }
-        unpack(u32x8::from_slice(simd, &texels))
-    };
-    let upper = texel(x0, y0).mix(texel(x1, y0), fx);
-    let lower = texel(x0, y1).mix(texel(x1, y1), fx);
+    let upper = texel(simd, map, level, x0, y0).mix(texel(simd, map, level, x1, y0), fx);
+    let lower = texel(simd, map, level, x0, y1).mix(texel(simd, map, level, x1, y1), fx);
     upper.mix(lower, fy)
+}
+
+/// One texel for each lane.
+#[inline(always)]
+fn texel<S: Simd>(
+    simd: S,
+    map: &EnvironmentMap,
+    level: [u32; 8],
+    x: [i32; 8],
+    y: [i32; 8],
+) -> V3<S> {
+    let mut texels = [0; 8];
+    for lane in 0..8 {
+        let level = level[lane] as usize;
+        let row = y[lane] as usize * (map.size() as usize >> level);
+        texels[lane] = map.texels()[map.starts()[level] + row + x[lane] as usize];
+    }
+    unpack(u32x8::from_slice(simd, &texels))
 }
 
 /// Shared-exponent texels, as [`EnvironmentMap::unpack`].
 #[inline(always)]
 fn unpack<S: Simd>(texels: u32x8<S>) -> V3<S> {
     let scale: F<S> = (((texels >> 27) + (127 - 24)) << 23).bitcast();
-    let component = |bits: u32x8<S>| {
-        let whole: i32x8<S> = (bits & 0x1ff).bitcast();
-        whole.to_float::<F<S>>() * scale
-    };
     V3 {
-        x: component(texels),
-        y: component(texels >> 9),
-        z: component(texels >> 18),
+        x: component(texels, scale),
+        y: component(texels >> 9, scale),
+        z: component(texels >> 18, scale),
     }
+}
+
+#[inline(always)]
+fn component<S: Simd>(bits: u32x8<S>, scale: F<S>) -> F<S> {
+    let whole: i32x8<S> = (bits & 0x1ff).bitcast();
+    whole.to_float::<F<S>>() * scale
 }

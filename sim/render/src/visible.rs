@@ -1,5 +1,5 @@
 use foveasim_assets::{Detail, Scene};
-use foveasim_models::{SamplePlan, View, Work};
+use foveasim_models::{Resolve, SamplePlan, View, Work};
 
 use crate::RenderOptions;
 use crate::pass::projection;
@@ -28,8 +28,10 @@ impl PassObjects {
         let projection = projection(view, &plan.passes[pass], options);
         let detail = Detail {
             rule: options.lod,
-            // The outermost of several layers has a curve of its own.
-            outermost: pass > 0 && pass + 1 == plan.passes.len(),
+            // The outermost of several layers has a curve of its own; parts of a mosaic are no layers.
+            outermost: matches!(plan.resolve, Resolve::Feather(_))
+                && pass > 0
+                && pass + 1 == plan.passes.len(),
             sample_tan: projection.tangent_step().abs().min_element(),
         };
         let mut found = Vec::new();

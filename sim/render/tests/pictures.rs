@@ -3,9 +3,14 @@
 mod common;
 
 use common::{layers, pass, sphere_scene, study_scene_without_lods, study_view, view};
-use foveasim_assets::{Instance, study_camera, study_scene};
-use foveasim_models::{Eye, Feather, Image, Pose, Resolve, SamplePlan, View, Viewport};
-use foveasim_render::{Frame, RenderError, RenderOptions, Simd, render, render_into};
+use std::collections::BTreeMap;
+
+use foveasim_assets::{Instance, LodRule, study_camera, study_scene};
+use foveasim_models::foveation::{Method, Request};
+use foveasim_models::{
+    Acuity, Eye, Feather, GazeDirection, Image, Pose, Resolve, SamplePlan, View, Viewport,
+};
+use foveasim_render::{Frame, RenderError, RenderOptions, Simd, render, render_into, visibility};
 use glam::{DVec2, DVec3, UVec2};
 
 fn bits(image: &Image) -> Vec<u32> {
@@ -365,4 +370,36 @@ fn what_cannot_be_drawn_is_refused() {
         fails(&still, &plan, &options),
         RenderError::Resolve { .. }
     ));
+}
+
+/// Only the outermost of several layers has a curve of its own (Guenter 2012, §6).
+#[test]
+fn parts_of_a_mosaic_have_the_detail_of_the_full_image() {
+    let scene = study_scene(1);
+    let view = study_view(160, 90);
+    let options = RenderOptions {
+        lod: LodRule::Distance,
+        ..RenderOptions::default()
+    };
+    let request = Request {
+        eye: view.eye,
+        viewport: view.optics,
+        acuity: Acuity::default(),
+        gaze: GazeDirection::AHEAD,
+        ahead: GazeDirection::AHEAD,
+        margin_deg: 0.0,
+    };
+    let meshes = |plan: &SamplePlan, pass| {
+        let seen = visibility(&scene, &view, plan, pass, &options).unwrap();
+        let names = seen.into_iter().flatten().map(|s| (s.instance, s.mesh));
+        names.collect::<BTreeMap<_, _>>()
+    };
+    let full = meshes(&SamplePlan::full(view.eye, view.optics.size), 0);
+    let mosaic = "quad".parse::<Method>().unwrap().plan(&request).unwrap();
+    let last = meshes(&mosaic, mosaic.passes.len() - 1);
+    let shared = last.iter().filter(|(i, _)| full.contains_key(i));
+    assert!(shared.clone().count() > 50);
+    for (instance, mesh) in shared {
+        assert_eq!(full[instance], *mesh, "instance {instance}");
+    }
 }

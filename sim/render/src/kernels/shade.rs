@@ -137,112 +137,76 @@ impl Kernel for ShadeTile<'_, '_> {
             _ => None,
         };
         if let Some(colour) = flat {
-            return apart(
+            return self.each_eight(
                 simd,
                 #[inline(always)]
-                || {
-                    self.each_eight(
-                        simd,
-                        #[inline(always)]
-                        |_| V3::splat(simd, colour),
-                    )
-                },
+                |_| V3::splat(simd, colour),
             );
         }
         match material {
-            None => apart(
+            None => self.each_eight(
                 simd,
                 #[inline(always)]
-                || {
-                    self.each_eight(
+                |eight| {
+                    let (direction, angle) = eight.ray(context);
+                    let direction = direction.normalize();
+                    sky(simd, scene.sky(), &context.light, direction, angle)
+                },
+            ),
+            Some(Material::Terrain(t)) => self.each_eight(
+                simd,
+                #[inline(always)]
+                |eight| {
+                    let hit = eight.hit(context, simd, needs);
+                    let colour = piece(
                         simd,
                         #[inline(always)]
-                        |eight| {
-                            let (direction, angle) = eight.ray(context);
-                            let direction = direction.normalize();
-                            sky(simd, scene.sky(), &context.light, direction, angle)
-                        },
+                        || terrain(simd, t, &context.light, &hit),
+                    );
+                    aerial(simd, &context.light, colour, eight.distance(context, &hit))
+                },
+            ),
+            Some(Material::Surface(s)) => self.each_eight(
+                simd,
+                #[inline(always)]
+                |eight| {
+                    let hit = eight.hit(context, simd, needs);
+                    let colour = piece(
+                        simd,
+                        #[inline(always)]
+                        || surface(simd, s, scene.sky(), &context.light, &hit),
+                    );
+                    aerial(simd, &context.light, colour, eight.distance(context, &hit))
+                },
+            ),
+            Some(Material::Phong(p)) => self.each_eight(
+                simd,
+                #[inline(always)]
+                |eight| {
+                    // In its caller, so that what it does not read is not worked out.
+                    let hit = piece(
+                        simd,
+                        #[inline(always)]
+                        || eight.hit_inline(context, simd, needs),
+                    );
+                    piece(
+                        simd,
+                        #[inline(always)]
+                        || phong(simd, p, &context.light, &hit),
                     )
                 },
             ),
-            Some(Material::Terrain(t)) => apart(
+            Some(Material::Textured(t)) => self.each_eight(
                 simd,
                 #[inline(always)]
-                || {
-                    self.each_eight(
+                |eight| {
+                    let hit = eight.hit(context, simd, needs);
+                    let colour = piece(
                         simd,
                         #[inline(always)]
-                        |eight| {
-                            let hit = eight.hit(context, simd, needs);
-                            let colour = piece(
-                                simd,
-                                #[inline(always)]
-                                || terrain(simd, t, &context.light, &hit),
-                            );
-                            aerial(simd, &context.light, colour, eight.distance(context, &hit))
-                        },
-                    )
-                },
-            ),
-            Some(Material::Surface(s)) => apart(
-                simd,
-                #[inline(always)]
-                || {
-                    self.each_eight(
-                        simd,
-                        #[inline(always)]
-                        |eight| {
-                            let hit = eight.hit(context, simd, needs);
-                            let colour = piece(
-                                simd,
-                                #[inline(always)]
-                                || surface(simd, s, scene.sky(), &context.light, &hit),
-                            );
-                            aerial(simd, &context.light, colour, eight.distance(context, &hit))
-                        },
-                    )
-                },
-            ),
-            Some(Material::Phong(p)) => apart(
-                simd,
-                #[inline(always)]
-                || {
-                    self.each_eight(
-                        simd,
-                        #[inline(always)]
-                        |eight| {
-                            // Inlined, so that what it does not read is not worked out.
-                            let hit = piece(
-                                simd,
-                                #[inline(always)]
-                                || eight.hit_inline(context, simd, needs),
-                            );
-                            piece(
-                                simd,
-                                #[inline(always)]
-                                || phong(simd, p, &context.light, &hit),
-                            )
-                        },
-                    )
-                },
-            ),
-            Some(Material::Textured(t)) => apart(
-                simd,
-                #[inline(always)]
-                || {
-                    self.each_eight(
-                        simd,
-                        #[inline(always)]
-                        |eight| {
-                            let hit = eight.hit(context, simd, needs);
-                            let colour = piece(
-                                simd,
-                                #[inline(always)]
-                                || textured(simd, t, scene, &context.light, &hit),
-                            );
-                            aerial(simd, &context.light, colour, eight.distance(context, &hit))
-                        },
-                    )
+                        || textured(simd, t, scene, &context.light, &hit),
+                    );
+                    aerial(simd, &context.light, colour, eight.distance(context, &hit))
                 },
             ),
             Some(other) => unreachable!("no kernel for {other:?}"),
@@ -251,8 +215,18 @@ impl Kernel for ShadeTile<'_, '_> {
 }
 
 impl ShadeTile<'_, '_> {
+    /// Shades all fragments, eight at a time; a function of its own for each material.
     #[inline(always)]
-    fn each_eight<S: Simd>(mut self, simd: S, shade: impl Fn(&Eight<'_, S>) -> V3<S>) {
+    fn each_eight<S: Simd>(self, simd: S, shade: impl Fn(&Eight<'_, S>) -> V3<S>) {
+        apart(
+            simd,
+            #[inline(always)]
+            || self.each_eight_inline(simd, shade),
+        );
+    }
+
+    #[inline(always)]
+    fn each_eight_inline<S: Simd>(mut self, simd: S, shade: impl Fn(&Eight<'_, S>) -> V3<S>) {
         let map = self.tile.affine();
         let display = [0, 1].map(|k| [map.scale[k] as f32, map.origin[k] as f32]);
         // Blocks first, then single fragments, in one loop: shading is compiled once.

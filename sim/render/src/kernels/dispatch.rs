@@ -17,8 +17,14 @@ pub(crate) trait Kernel {
 pub(crate) fn dispatch<K: Kernel>(choice: Simd, kernel: K) -> K::Output {
     if choice == Simd::Auto {
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
-        if let Some(simd) = fs::Level::new().as_avx2() {
-            return at(simd, kernel);
+        {
+            let level = fs::Level::new();
+            if let Some(simd) = level.as_avx512() {
+                return at(simd, kernel);
+            }
+            if let Some(simd) = level.as_avx2() {
+                return at(simd, kernel);
+            }
         }
         #[cfg(target_arch = "aarch64")]
         if let Some(simd) = fs::Level::new().as_neon() {

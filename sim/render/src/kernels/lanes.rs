@@ -19,6 +19,11 @@ impl Simd for fearless_simd::Avx2 {
     const SCALAR: bool = false;
 }
 
+#[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
+impl Simd for fearless_simd::Avx512 {
+    const SCALAR: bool = false;
+}
+
 #[cfg(target_arch = "aarch64")]
 impl Simd for fearless_simd::Neon {
     const SCALAR: bool = false;

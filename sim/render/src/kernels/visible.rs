@@ -336,13 +336,14 @@ impl<const P: usize> Drawing<'_, P> {
             counts.samples_covered += u64::from(covered.count_ones());
             let at = depth.at(p, block);
             let stored = F::from_slice(simd, &self.depth[block][p]);
-            any_tie |= (lanes & at.simd_eq(stored)).to_bitmask() as u32;
-            // Written whether or not anything changes: which is hard to foresee.
-            let nearer = lanes & at.simd_gt(stored);
+            // What is not covered is farther than anything.
+            let at = lanes.select(at, splat(simd, -1.0));
+            any_tie |= at.simd_eq(stored).to_bitmask() as u32;
+            // Written whether or not anything changes, which is hard to foresee; and the greater of two
+            // values, not a store of some lanes, which some processors are slow at.
+            let nearer = at.simd_gt(stored);
             counts.quads += u64::from(QUADS[nearer.to_bitmask() as usize & 0xff]);
-            nearer
-                .select(at, stored)
-                .store_slice(&mut self.depth[block][p]);
+            max(at, stored).store_slice(&mut self.depth[block][p]);
             let slots = u32x8::from_slice(simd, &self.slot[block][p]);
             nearer
                 .select(depth.slot, slots)

@@ -1,9 +1,9 @@
 use fearless_simd::prelude::*;
 use foveasim_assets::EnvironmentMap;
 
-use super::lanes::{F, Simd, V3, i32x8, max, min, splat, two, u32x8};
 use super::shade::Light;
 use super::sky::over_ground;
+use super::wide::{F, I, Simd, U, V3, WIDTH, max, min, splat, two};
 
 /// The environment in unit direction `d`, averaged over `angle` [rad]: bilinear in each of the two
 /// halved copies whose texels are next in size, and linear between them.
@@ -30,7 +30,7 @@ pub(super) fn environment<S: Simd>(
         max(texels, splat(simd, 1.0)),
         splat(simd, (1u32 << coarsest) as f32),
     );
-    let bits: u32x8<S> = texels.bitcast();
+    let bits: U<S> = texels.bitcast();
     let level = (bits >> 23) - 127;
     let t: F<S> = ((bits & 0x007f_ffff) | 0x3f80_0000).bitcast();
     let t = t - 1.0;
@@ -39,7 +39,7 @@ pub(super) fn environment<S: Simd>(
     // Most samples are finer than the map: then there is but one copy to read.
     if t.simd_gt(0.0).any_true() {
         let level = level.to_array().map(|l| (l + 1).min(coarsest as u32));
-        let coarser = bilinear(simd, map, u32x8::from_slice(simd, &level), place);
+        let coarser = bilinear(simd, map, U::from_slice(simd, &level), place);
         colour = colour.mix(coarser, t);
     }
     over_ground(simd, light, colour, d, angle)
@@ -47,10 +47,10 @@ pub(super) fn environment<S: Simd>(
 
 /// Between the four texels about a place, in one copy for each lane.
 #[inline(always)]
-fn bilinear<S: Simd>(simd: S, map: &EnvironmentMap, level: u32x8<S>, place: [F<S>; 2]) -> V3<S> {
+fn bilinear<S: Simd>(simd: S, map: &EnvironmentMap, level: U<S>, place: [F<S>; 2]) -> V3<S> {
     let zero = splat(simd, 0.0);
     // 2^−level is exact, and so is the size of each copy.
-    let shrink: F<S> = ((u32x8::splat(simd, 127) - level) << 23).bitcast();
+    let shrink: F<S> = ((U::splat(simd, 127) - level) << 23).bitcast();
     let last = shrink * map.size() as f32 - 1.0;
     let size = last + 1.0;
     let [(x0, x1, fx), (y0, y1, fy)] = two(
@@ -59,7 +59,7 @@ fn bilinear<S: Simd>(simd: S, map: &EnvironmentMap, level: u32x8<S>, place: [F<S
             let at = min(max(place[k] * size - 0.5, zero), last);
             let low = at.floor();
             let high = min(low + 1.0, last);
-            let (first, second) = (low.to_int::<i32x8<S>>(), high.to_int::<i32x8<S>>());
+            let (first, second) = (low.to_int::<I<S>>(), high.to_int::<I<S>>());
             (first.to_array(), second.to_array(), at - low)
         },
     );
@@ -74,22 +74,22 @@ fn bilinear<S: Simd>(simd: S, map: &EnvironmentMap, level: u32x8<S>, place: [F<S
 fn texel<S: Simd>(
     simd: S,
     map: &EnvironmentMap,
-    level: [u32; 8],
-    x: [i32; 8],
-    y: [i32; 8],
+    level: [u32; WIDTH],
+    x: [i32; WIDTH],
+    y: [i32; WIDTH],
 ) -> V3<S> {
-    let mut texels = [0; 8];
-    for lane in 0..8 {
+    let mut texels = [0; WIDTH];
+    for lane in 0..WIDTH {
         let level = level[lane] as usize;
         let row = y[lane] as usize * (map.size() as usize >> level);
         texels[lane] = map.texels()[map.starts()[level] + row + x[lane] as usize];
     }
-    unpack(u32x8::from_slice(simd, &texels))
+    unpack(U::from_slice(simd, &texels))
 }
 
 /// Shared-exponent texels, as [`EnvironmentMap::unpack`].
 #[inline(always)]
-fn unpack<S: Simd>(texels: u32x8<S>) -> V3<S> {
+fn unpack<S: Simd>(texels: U<S>) -> V3<S> {
     let scale: F<S> = (((texels >> 27) + (127 - 24)) << 23).bitcast();
     V3 {
         x: component(texels, scale),
@@ -99,7 +99,7 @@ fn unpack<S: Simd>(texels: u32x8<S>) -> V3<S> {
 }
 
 #[inline(always)]
-fn component<S: Simd>(bits: u32x8<S>, scale: F<S>) -> F<S> {
-    let whole: i32x8<S> = (bits & 0x1ff).bitcast();
+fn component<S: Simd>(bits: U<S>, scale: F<S>) -> F<S> {
+    let whole: I<S> = (bits & 0x1ff).bitcast();
     whole.to_float::<F<S>>() * scale
 }

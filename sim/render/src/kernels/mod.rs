@@ -20,6 +20,7 @@ mod textured;
 mod triangles;
 mod vertices;
 mod visible;
+mod wide;
 
 pub(crate) use attributes::{Attributes, Details};
 pub(crate) use dispatch::{Kernel, dispatch};

@@ -2,29 +2,41 @@
 
 use fearless_simd::prelude::*;
 
-use super::lanes::{F, Simd, V3, apart, i32x8, max, min, mix, piece, saturate, splat, u32x8};
+use super::wide::{F, I, Simd, U, V3, apart, max, min, mix, piece, saturate, splat};
 
 /// Coordinates beyond this are clamped: they must fit the conversion to integers.
 const FAR: f32 = 1e6;
 
 /// Cell index and smooth position in the cell of one coordinate.
 #[inline(always)]
-fn cell<S: Simd>(simd: S, x: F<S>) -> (u32x8<S>, F<S>) {
-    let x = min(max(x, splat(simd, -FAR)), splat(simd, FAR));
-    let whole = x.floor();
-    let t = x - whole;
-    // 6t⁵ − 15t⁴ + 10t³ (Perlin 2002).
-    let smooth = t * t * t * (t * (t * 6.0 - 15.0) + 10.0);
-    (whole.to_int::<i32x8<S>>().bitcast(), smooth)
+fn cell<S: Simd>(simd: S, x: F<S>) -> (U<S>, F<S>) {
+    piece(
+        simd,
+        #[inline(always)]
+        || {
+            let x = min(max(x, splat(simd, -FAR)), splat(simd, FAR));
+            let whole = x.floor();
+            let t = x - whole;
+            // 6t⁵ − 15t⁴ + 10t³ (Perlin 2002).
+            let smooth = t * t * t * (t * (t * 6.0 - 15.0) + 10.0);
+            (whole.to_int::<I<S>>().bitcast(), smooth)
+        },
+    )
 }
 
 /// −1 to 1 from mixed coordinates; the finalizer is lowbias32 (Wellons 2018).
 #[inline(always)]
-fn corner<S: Simd>(h: u32x8<S>) -> F<S> {
-    let h = (h ^ (h >> 16)) * 0x7feb_352d;
-    let h = (h ^ (h >> 15)) * 0x846c_a68b;
-    let h: i32x8<S> = ((h ^ (h >> 16)) >> 8).bitcast();
-    h.to_float::<F<S>>() * (2.0 / 16_777_215.0) - 1.0
+fn corner<S: Simd>(h: U<S>) -> F<S> {
+    piece(
+        h.simd,
+        #[inline(always)]
+        || {
+            let h = (h ^ (h >> 16)) * 0x7feb_352d;
+            let h = (h ^ (h >> 15)) * 0x846c_a68b;
+            let h: I<S> = ((h ^ (h >> 16)) >> 8).bitcast();
+            h.to_float::<F<S>>() * (2.0 / 16_777_215.0) - 1.0
+        },
+    )
 }
 
 const PRIMES: [u32; 3] = [0x9e37_79b1, 0x85eb_ca77, 0xc2b2_ae3d];
@@ -32,37 +44,58 @@ const PRIMES: [u32; 3] = [0x9e37_79b1, 0x85eb_ca77, 0xc2b2_ae3d];
 /// Value noise on the plane, −1 to 1.
 #[inline(always)]
 pub(super) fn value_2d<S: Simd>(simd: S, x: F<S>, y: F<S>, seed: u32) -> F<S> {
-    let ((ix, fx), (iy, fy)) = (cell(simd, x), cell(simd, y));
-    let (x0, y0) = ((ix * PRIMES[0]) ^ seed, iy * PRIMES[1]);
-    let (x1, y1) = (((ix + 1) * PRIMES[0]) ^ seed, y0 + PRIMES[1]);
-    let low = mix(corner(x0 ^ y0), corner(x1 ^ y0), fx);
-    let high = mix(corner(x0 ^ y1), corner(x1 ^ y1), fx);
-    mix(low, high, fy)
+    piece(
+        simd,
+        #[inline(always)]
+        || {
+            let ((ix, fx), (iy, fy)) = (cell(simd, x), cell(simd, y));
+            let (x0, y0) = ((ix * PRIMES[0]) ^ seed, iy * PRIMES[1]);
+            let (x1, y1) = (((ix + 1) * PRIMES[0]) ^ seed, y0 + PRIMES[1]);
+            let low = mix(corner(x0 ^ y0), corner(x1 ^ y0), fx);
+            let high = mix(corner(x0 ^ y1), corner(x1 ^ y1), fx);
+            mix(low, high, fy)
+        },
+    )
 }
 
 /// Value noise in space, −1 to 1.
 #[inline(always)]
 pub(super) fn value_3d<S: Simd>(simd: S, p: V3<S>, seed: u32) -> F<S> {
-    let ((ix, fx), (iy, fy), (iz, fz)) = (cell(simd, p.x), cell(simd, p.y), cell(simd, p.z));
-    let x = [(ix * PRIMES[0]) ^ seed, ((ix + 1) * PRIMES[0]) ^ seed];
-    let y = [iy * PRIMES[1], (iy + 1) * PRIMES[1]];
-    let z = [iz * PRIMES[2], (iz + 1) * PRIMES[2]];
-    let near = mix(edge(x, y[0] ^ z[0], fx), edge(x, y[1] ^ z[0], fx), fy);
-    let far = mix(edge(x, y[0] ^ z[1], fx), edge(x, y[1] ^ z[1], fx), fy);
-    mix(near, far, fz)
+    piece(
+        simd,
+        #[inline(always)]
+        || {
+            let ((ix, fx), (iy, fy), (iz, fz)) =
+                (cell(simd, p.x), cell(simd, p.y), cell(simd, p.z));
+            let x = [(ix * PRIMES[0]) ^ seed, ((ix + 1) * PRIMES[0]) ^ seed];
+            let y = [iy * PRIMES[1], (iy + 1) * PRIMES[1]];
+            let z = [iz * PRIMES[2], (iz + 1) * PRIMES[2]];
+            let near = mix(edge(x, y[0] ^ z[0], fx), edge(x, y[1] ^ z[0], fx), fy);
+            let far = mix(edge(x, y[0] ^ z[1], fx), edge(x, y[1] ^ z[1], fx), fy);
+            mix(near, far, fz)
+        },
+    )
 }
 
 /// Between two corners along x.
 #[inline(always)]
-fn edge<S: Simd>(x: [u32x8<S>; 2], yz: u32x8<S>, fx: F<S>) -> F<S> {
-    mix(corner(x[0] ^ yz), corner(x[1] ^ yz), fx)
+fn edge<S: Simd>(x: [U<S>; 2], yz: U<S>, fx: F<S>) -> F<S> {
+    piece(
+        fx.simd,
+        #[inline(always)]
+        || mix(corner(x[0] ^ yz), corner(x[1] ^ yz), fx),
+    )
 }
 
 /// Weight of an octave of `frequency` seen through a footprint: 1 while a period spans at least four
 /// footprints, 0 from two on, where it could only alias.
 #[inline(always)]
 pub(super) fn visible<S: Simd>(simd: S, frequency: f32, footprint: F<S>) -> F<S> {
-    saturate(splat(simd, 2.0) - footprint * (4.0 * frequency))
+    piece(
+        simd,
+        #[inline(always)]
+        || saturate(splat(simd, 2.0) - footprint * (4.0 * frequency)),
+    )
 }
 
 /// How many octaves, and the seed of the first.

@@ -1,8 +1,8 @@
 use fearless_simd::prelude::*;
 use foveasim_assets::Phong;
 
-use super::lanes::{F, Simd, V3, i32x8, max, splat};
 use super::shade::{Hit, Light};
+use super::wide::{F, I, Simd, V3, max, piece, splat};
 
 /// See [`Phong`].
 #[inline(always)]
@@ -37,19 +37,25 @@ pub(super) fn phong<S: Simd>(simd: S, m: &Phong, light: &Light, hit: &Hit<S>) ->
 /// sin x, within 5e-7 for |x| up to 100 and 2e-6 up to 2¹⁵ (tested); beyond, x is reduced with ever larger error.
 #[inline(always)]
 pub(super) fn sin<S: Simd>(simd: S, x: F<S>) -> F<S> {
-    // x = kπ + r with |r| ≤ π/2; π in three parts, the first two exact in products with small k
-    // (Cody and Waite 1980).
-    let k = (x * std::f32::consts::FRAC_1_PI + 0.5).floor();
-    let r = x - k * 3.140_625 - k * 9.670_257_6e-4 - k * 6.277_114e-7;
-    let odd = (k.to_int::<i32x8<S>>() & 1).simd_eq(1);
-    let r2 = r * r;
-    // The odd polynomial of degree 11 that is nearest to the sine over ±π/2.
-    let p = r2 * -2.388_985_9e-8 + 2.752_556_2e-6;
-    let p = p * r2 - 1.984_087_4e-4;
-    let p = p * r2 + 8.333_331e-3;
-    let p = p * r2 - 0.166_666_67;
-    let s = r + r * r2 * p;
-    odd.select(splat(simd, 0.0) - s, s)
+    piece(
+        simd,
+        #[inline(always)]
+        || {
+            // x = kπ + r with |r| ≤ π/2; π in three parts, the first two exact in products with small k
+            // (Cody and Waite 1980).
+            let k = (x * std::f32::consts::FRAC_1_PI + 0.5).floor();
+            let r = x - k * 3.140_625 - k * 9.670_257_6e-4 - k * 6.277_114e-7;
+            let odd = (k.to_int::<I<S>>() & 1).simd_eq(1);
+            let r2 = r * r;
+            // The odd polynomial of degree 11 that is nearest to the sine over ±π/2.
+            let p = r2 * -2.388_985_9e-8 + 2.752_556_2e-6;
+            let p = p * r2 - 1.984_087_4e-4;
+            let p = p * r2 + 8.333_331e-3;
+            let p = p * r2 - 0.166_666_67;
+            let s = r + r * r2 * p;
+            odd.select(splat(simd, 0.0) - s, s)
+        },
+    )
 }
 
 #[cfg(test)]
@@ -58,13 +64,13 @@ mod tests {
     use super::*;
     use crate::Simd as Choice;
 
-    struct Sine([f32; 8]);
+    struct Sine([f32; WIDTH]);
 
     impl Kernel for Sine {
-        type Output = [f32; 8];
+        type Output = [f32; WIDTH];
 
         #[inline(always)]
-        fn run<S: Simd>(self, simd: S) -> [f32; 8] {
+        fn run<S: Simd>(self, simd: S) -> [f32; WIDTH] {
             sin(simd, F::from_slice(simd, &self.0)).to_array()
         }
     }
@@ -74,7 +80,7 @@ mod tests {
         let worst = |most: i32, step: f32| {
             let mut worst: f64 = 0.0;
             for i in -most..most {
-                let x: [f32; 8] = std::array::from_fn(|k| i as f32 * step + k as f32 * 0.0093);
+                let x: [f32; WIDTH] = std::array::from_fn(|k| i as f32 * step + k as f32 * 0.0093);
                 let got = dispatch(Choice::Auto, Sine(x));
                 assert_eq!(got, dispatch(Choice::Scalar, Sine(x)));
                 for (x, got) in x.into_iter().zip(got) {

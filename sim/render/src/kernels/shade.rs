@@ -1,16 +1,18 @@
 use fearless_simd::prelude::*;
+use fearless_simd::u32x8;
 use foveasim_assets::{Material, Scene, Sky};
 use foveasim_models::{Msaa, Pose};
 use glam::{DMat3, DVec3};
 
 use super::Kernel;
 use super::attributes::{Attributes, Details, Loose};
-use super::lanes::{F, Simd, V3, apart, mask32x8, max, min, piece, saturate, splat, u32x8};
+use super::lanes;
 use super::phong::phong;
 use super::sky::{aerial, sky};
 use super::surface::surface;
 use super::terrain::terrain;
 use super::textured::textured;
+use super::wide::{F, M, Simd, U, V3, WIDTH, apart, max, min, piece, saturate, splat};
 use crate::fragments::{Fragment, Fragments, SKY};
 use crate::project::Projection;
 use crate::raster::Needs;
@@ -137,57 +139,57 @@ impl Kernel for ShadeTile<'_, '_> {
             _ => None,
         };
         if let Some(colour) = flat {
-            return self.each_eight(
+            return self.each_batch(
                 simd,
                 #[inline(always)]
                 |_| V3::splat(simd, colour),
             );
         }
         match material {
-            None => self.each_eight(
+            None => self.each_batch(
                 simd,
                 #[inline(always)]
-                |eight| {
-                    let (direction, angle) = eight.ray(context);
+                |batch| {
+                    let (direction, angle) = batch.ray(context);
                     let direction = direction.normalize();
                     sky(simd, scene.sky(), &context.light, direction, angle)
                 },
             ),
-            Some(Material::Terrain(t)) => self.each_eight(
+            Some(Material::Terrain(t)) => self.each_batch(
                 simd,
                 #[inline(always)]
-                |eight| {
-                    let hit = eight.hit(context, simd, needs);
+                |batch| {
+                    let hit = batch.hit(context, simd, needs);
                     let colour = piece(
                         simd,
                         #[inline(always)]
                         || terrain(simd, t, &context.light, &hit),
                     );
-                    aerial(simd, &context.light, colour, eight.distance(context, &hit))
+                    aerial(simd, &context.light, colour, batch.distance(context, &hit))
                 },
             ),
-            Some(Material::Surface(s)) => self.each_eight(
+            Some(Material::Surface(s)) => self.each_batch(
                 simd,
                 #[inline(always)]
-                |eight| {
-                    let hit = eight.hit(context, simd, needs);
+                |batch| {
+                    let hit = batch.hit(context, simd, needs);
                     let colour = piece(
                         simd,
                         #[inline(always)]
                         || surface(simd, s, scene.sky(), &context.light, &hit),
                     );
-                    aerial(simd, &context.light, colour, eight.distance(context, &hit))
+                    aerial(simd, &context.light, colour, batch.distance(context, &hit))
                 },
             ),
-            Some(Material::Phong(p)) => self.each_eight(
+            Some(Material::Phong(p)) => self.each_batch(
                 simd,
                 #[inline(always)]
-                |eight| {
+                |batch| {
                     // In its caller, so that what it does not read is not worked out.
                     let hit = piece(
                         simd,
                         #[inline(always)]
-                        || eight.hit_inline(context, simd, needs),
+                        || batch.hit_inline(context, simd, needs),
                     );
                     piece(
                         simd,
@@ -196,17 +198,17 @@ impl Kernel for ShadeTile<'_, '_> {
                     )
                 },
             ),
-            Some(Material::Textured(t)) => self.each_eight(
+            Some(Material::Textured(t)) => self.each_batch(
                 simd,
                 #[inline(always)]
-                |eight| {
-                    let hit = eight.hit(context, simd, needs);
+                |batch| {
+                    let hit = batch.hit(context, simd, needs);
                     let colour = piece(
                         simd,
                         #[inline(always)]
                         || textured(simd, t, scene, &context.light, &hit),
                     );
-                    aerial(simd, &context.light, colour, eight.distance(context, &hit))
+                    aerial(simd, &context.light, colour, batch.distance(context, &hit))
                 },
             ),
             Some(other) => unreachable!("no kernel for {other:?}"),
@@ -215,54 +217,62 @@ impl Kernel for ShadeTile<'_, '_> {
 }
 
 impl ShadeTile<'_, '_> {
-    /// Shades all fragments, eight at a time; a function of its own for each material.
+    /// Shades all fragments, [`WIDTH`] at a time; a function of its own for each material.
     #[inline(always)]
-    fn each_eight<S: Simd>(self, simd: S, shade: impl Fn(&Eight<'_, S>) -> V3<S>) {
+    fn each_batch<S: Simd>(self, simd: S, shade: impl Fn(&Batch<'_, S>) -> V3<S>) {
         apart(
             simd,
             #[inline(always)]
-            || self.each_eight_inline(simd, shade),
+            || self.each_batch_inline(simd, shade),
         );
     }
 
     #[inline(always)]
-    fn each_eight_inline<S: Simd>(mut self, simd: S, shade: impl Fn(&Eight<'_, S>) -> V3<S>) {
+    fn each_batch_inline<S: Simd>(mut self, simd: S, shade: impl Fn(&Batch<'_, S>) -> V3<S>) {
         let map = self.tile.affine();
         let display = [0, 1].map(|k| [map.scale[k] as f32, map.origin[k] as f32]);
         // Blocks first, then single fragments, in one loop: shading is compiled once.
         let bucket = &self.fragments.buckets[self.bucket];
-        let steps = bucket.blocks.len() + bucket.fragments.len().div_ceil(8);
+        let of_blocks = bucket.blocks.len().div_ceil(BLOCKS);
+        let steps = of_blocks + bucket.fragments.len().div_ceil(WIDTH);
         let mut loose = Loose::default();
         for step in 0..steps {
-            let block = bucket.blocks.get(step).copied();
-            let fragments = match block {
+            let blocks = (step < of_blocks).then(|| {
+                let first = bucket.blocks[step * BLOCKS];
+                // One without a second is shaded twice.
+                let second = bucket.blocks.get(step * BLOCKS + 1);
+                [first, second.copied().unwrap_or(first)]
+            });
+            let fragments = match blocks {
                 Some(_) => &[][..],
                 None => {
-                    let first = (step - bucket.blocks.len()) * 8;
-                    &bucket.fragments[first..bucket.fragments.len().min(first + 8)]
+                    let first = (step - of_blocks) * WIDTH;
+                    &bucket.fragments[first..bucket.fragments.len().min(first + WIDTH)]
                 }
             };
-            let eight = match block {
-                Some(block) => self.block(simd, block, &display, &mut loose),
+            let batch = match blocks {
+                Some(blocks) => self.blocks(simd, blocks, &display, &mut loose),
                 None => self.fragments(simd, fragments, &display, &mut loose),
             };
-            let colour = shade(&eight);
+            let colour = shade(&batch);
             let zero = splat(simd, 0.0);
             let r = max(colour.x, zero).to_array();
             let g = max(colour.y, zero).to_array();
             let b = max(colour.z, zero).to_array();
-            match block {
-                Some(block) => {
-                    let [x, y] = position_of(block as usize * 8);
-                    let (x, y) = (x as usize, y as usize);
-                    for (k, row) in self.out[y..y + 2].iter_mut().enumerate() {
-                        let k = 4 * k;
-                        row[x..x + 4].copy_from_slice(&[
-                            [r[k], g[k], b[k]],
-                            [r[k + 1], g[k + 1], b[k + 1]],
-                            [r[k + 2], g[k + 2], b[k + 2]],
-                            [r[k + 3], g[k + 3], b[k + 3]],
-                        ]);
+            match blocks {
+                Some(blocks) => {
+                    for (n, block) in blocks.into_iter().enumerate() {
+                        let [x, y] = position_of(block as usize * 8);
+                        let (x, y) = (x as usize, y as usize);
+                        for (k, row) in self.out[y..y + 2].iter_mut().enumerate() {
+                            let k = 8 * n + 4 * k;
+                            row[x..x + 4].copy_from_slice(&[
+                                [r[k], g[k], b[k]],
+                                [r[k + 1], g[k + 1], b[k + 1]],
+                                [r[k + 2], g[k + 2], b[k + 2]],
+                                [r[k + 3], g[k + 3], b[k + 3]],
+                            ]);
+                        }
                     }
                 }
                 None => {
@@ -274,32 +284,41 @@ impl ShadeTile<'_, '_> {
         }
     }
 
-    /// Eight samples side by side.
+    /// Blocks of eight samples side by side.
     #[inline(always)]
-    fn block<'e, S: Simd>(
+    fn blocks<'e, S: Simd>(
         &'e self,
         simd: S,
-        block: u16,
+        blocks: [u16; BLOCKS],
         display: &'e [[f32; 2]; 2],
         loose: &'e mut Loose,
-    ) -> Eight<'e, S> {
-        let [px, py] = position_of(block as usize * 8);
-        let x = (self.tile.origin.x + px) as f32;
-        let y = (self.tile.origin.y + py) as f32;
-        let lanes_x = [0.5, 1.5, 2.5, 3.5, 0.5, 1.5, 2.5, 3.5];
-        let lanes_y = [0.5, 0.5, 0.5, 0.5, 1.5, 1.5, 1.5, 1.5];
-        let lattice = [
-            F::from_slice(simd, &lanes_x) + x,
-            F::from_slice(simd, &lanes_y) + y,
-        ];
-        let first = block as usize * self.msaa.positions() as usize;
-        let slots = &self.buffers.slot[first];
+    ) -> Batch<'e, S> {
+        let places = lanes::two(
+            #[inline(always)]
+            |n| {
+                let [px, py] = position_of(blocks[n] as usize * 8);
+                let x = (self.tile.origin.x + px) as f32;
+                let y = (self.tile.origin.y + py) as f32;
+                let lanes_x = [0.5, 1.5, 2.5, 3.5, 0.5, 1.5, 2.5, 3.5];
+                let lanes_y = [0.5, 0.5, 0.5, 0.5, 1.5, 1.5, 1.5, 1.5];
+                [
+                    lanes::F::from_slice(simd, &lanes_x) + x,
+                    lanes::F::from_slice(simd, &lanes_y) + y,
+                ]
+            },
+        );
+        let lattice = lanes::two(
+            #[inline(always)]
+            |k| places[0][k].combine(places[1][k]),
+        );
+        let first = blocks.map(|block| block as usize * self.msaa.positions() as usize);
+        let slots = first.map(|first| &self.buffers.slot[first]);
         let inverse_w = if self.msaa == Msaa::One {
-            &self.buffers.depth[first]
+            first.map(|first| &self.buffers.depth[first])
         } else {
-            loose.names = *slots;
+            loose.names = slots.map(|slots| *slots);
             if self.bucket != 0 {
-                for name in &mut loose.names {
+                for name in loose.names.as_flattened_mut() {
                     *name = self.fragments.of_slot[*name as usize];
                 }
             }
@@ -307,12 +326,12 @@ impl ShadeTile<'_, '_> {
                 [lattice[0].to_array(), lattice[1].to_array()],
                 self.triangles,
             );
-            &loose.inverse_w
+            loose.inverse_w.each_ref()
         };
-        Eight {
+        Batch {
             lattice,
             display,
-            inverse_w: F::from_slice(simd, inverse_w),
+            inverse_w: joined(simd, inverse_w),
             triangles: self.triangles,
             details: self.details,
             // The middle of a sample all of whose positions are covered is covered.
@@ -323,7 +342,7 @@ impl ShadeTile<'_, '_> {
         }
     }
 
-    /// Up to eight fragments from anywhere in the tile.
+    /// Up to [`WIDTH`] fragments from anywhere in the tile.
     #[inline(always)]
     fn fragments<'e, S: Simd>(
         &'e self,
@@ -331,19 +350,19 @@ impl ShadeTile<'_, '_> {
         fragments: &[Fragment],
         display: &'e [[f32; 2]; 2],
         loose: &'e mut Loose,
-    ) -> Eight<'e, S> {
-        let (mut x, mut y, mut coarseness) = ([0.0; 8], [0.0; 8], [1.0; 8]);
+    ) -> Batch<'e, S> {
+        let (mut x, mut y, mut coarseness) = ([0.0; WIDTH], [0.0; WIDTH], [1.0; WIDTH]);
         let mut beside = 0;
         let every = (1u64 << self.msaa.positions()) - 1;
-        for i in 0..8 {
-            // Eight that are not full repeat their last.
+        for i in 0..WIDTH {
+            // A batch that is not full repeats its last.
             let fragment = &fragments[i.min(fragments.len() - 1)];
             let [width, height] = fragment.size.map(f32::from);
             let [px, py] = fragment.first.map(u32::from);
             x[i] = (self.tile.origin.x + px) as f32 + 0.5 * width;
             y[i] = (self.tile.origin.y + py) as f32 + 0.5 * height;
             coarseness[i] = if width > height { width } else { height };
-            loose.names[i] = match fragment.triangle {
+            loose.names.as_flattened_mut()[i] = match fragment.triangle {
                 SKY => 0,
                 name => name,
             };
@@ -352,14 +371,14 @@ impl ShadeTile<'_, '_> {
             }
         }
         loose.find_depth([x, y], self.triangles);
-        Eight {
+        Batch {
             lattice: [F::from_slice(simd, &x), F::from_slice(simd, &y)],
             display,
-            inverse_w: F::from_slice(simd, &loose.inverse_w),
+            inverse_w: joined(simd, loose.inverse_w.each_ref()),
             triangles: self.triangles,
             details: self.details,
             beside,
-            slots: &loose.names,
+            slots: loose.names.each_ref(),
             of_slot: None,
             coarseness: F::from_slice(simd, &coarseness),
         }
@@ -394,8 +413,17 @@ impl ShadeTile<'_, '_> {
     }
 }
 
-/// Eight places to be shaded.
-struct Eight<'a, S: Simd> {
+/// Blocks in a batch.
+const BLOCKS: usize = WIDTH / 8;
+
+/// Two times eight lanes.
+#[inline(always)]
+fn joined<S: Simd>(simd: S, [a, b]: [&[f32; 8]; BLOCKS]) -> F<S> {
+    lanes::F::from_slice(simd, a).combine(lanes::F::from_slice(simd, b))
+}
+
+/// [`WIDTH`] places to be shaded.
+struct Batch<'a, S: Simd> {
     lattice: [F<S>; 2],
     /// Scale and shift from lattice to display pixels, for x and y.
     display: &'a [[f32; 2]; 2],
@@ -406,14 +434,14 @@ struct Eight<'a, S: Simd> {
     /// Lanes whose place may lie outside of their triangle.
     beside: u32,
     /// Which triangle each lane sees: its slot, or its place among the visible.
-    slots: &'a [u32; 8],
+    slots: [&'a [u32; 8]; BLOCKS],
     /// Place among the visible of each slot.
     of_slot: Option<&'a [u32]>,
     /// Along the longer side, how many samples share the evaluation.
     coarseness: F<S>,
 }
 
-impl<S: Simd> Eight<'_, S> {
+impl<S: Simd> Batch<'_, S> {
     /// Direction (not unit length: w = 1) in the world, and the angle a sample spans.
     #[inline(always)]
     fn ray(&self, c: &ShadeContext<'_>) -> (V3<S>, F<S>) {
@@ -451,12 +479,14 @@ impl<S: Simd> Eight<'_, S> {
         let (mut normal, mut object) = (V3::splat(simd, [0.0; 3]), V3::splat(simd, [0.0; 3]));
         let (mut uv, mut per_metre) = ([zero; 2], [zero; 2]);
         let needs_details = needs.object || needs.uv || self.beside != 0;
-        let beside = mask32x8::from_bitmask(simd, self.beside.into());
+        let beside = M::from_bitmask(simd, self.beside.into());
         // Neighbours mostly see the same triangle: one round for each that the lanes see.
-        let slots = u32x8::from_slice(simd, self.slots);
-        let mut rest = 0xffu32;
+        let [low, high] = self.slots;
+        let slots: U<S> = u32x8::from_slice(simd, low).combine(u32x8::from_slice(simd, high));
+        let mut rest = (1u32 << WIDTH) - 1;
         while rest != 0 {
-            let slot = self.slots[rest.trailing_zeros() as usize & 7];
+            let lane = rest.trailing_zeros() as usize;
+            let slot = self.slots[lane / 8 % BLOCKS][lane % 8];
             let here = slots.simd_eq(slot);
             rest &= !(here.to_bitmask() as u32);
             let name = self.of_slot.map_or(slot, |places| places[slot as usize]) as usize;
@@ -528,7 +558,11 @@ impl<S: Simd> Eight<'_, S> {
 /// Value of a plane whose start and changes along x and y are `stride` apart.
 #[inline(always)]
 fn plane<S: Simd>(a: &[f32], first: usize, stride: usize, dx: F<S>, dy: F<S>) -> F<S> {
-    dx * a[first + stride] + a[first] + dy * a[first + 2 * stride]
+    piece(
+        dx.simd,
+        #[inline(always)]
+        || dx * a[first + stride] + a[first] + dy * a[first + 2 * stride],
+    )
 }
 
 /// Attribute `first` of a triangle, whose changes follow in steps of `stride`.
@@ -540,7 +574,11 @@ fn blend<S: Simd>(
     second: F<S>,
     third: F<S>,
 ) -> F<S> {
-    second * a[first + stride] + a[first] + third * a[first + 2 * stride]
+    piece(
+        second.simd,
+        #[inline(always)]
+        || second * a[first + stride] + a[first] + third * a[first + 2 * stride],
+    )
 }
 
 #[inline(always)]
@@ -554,10 +592,14 @@ fn triple<S: Simd>(a: &[f32; Details::COUNT], first: usize, second: F<S>, third:
 
 /// `a` where `here`, else `b`.
 #[inline(always)]
-fn select<S: Simd>(here: mask32x8<S>, a: V3<S>, b: V3<S>) -> V3<S> {
-    V3 {
-        x: here.select(a.x, b.x),
-        y: here.select(a.y, b.y),
-        z: here.select(a.z, b.z),
-    }
+fn select<S: Simd>(here: M<S>, a: V3<S>, b: V3<S>) -> V3<S> {
+    piece(
+        a.x.simd,
+        #[inline(always)]
+        || V3 {
+            x: here.select(a.x, b.x),
+            y: here.select(a.y, b.y),
+            z: here.select(a.z, b.z),
+        },
+    )
 }

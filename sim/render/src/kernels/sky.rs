@@ -2,9 +2,9 @@ use fearless_simd::prelude::*;
 use foveasim_assets::{AnalyticSky, Sky};
 
 use super::environment::environment;
-use super::lanes::{F, Simd, V3, apart, max, mix, saturate, smoothstep, splat};
 use super::noise::{Fractal, fractal_2d};
 use super::shade::Light;
+use super::wide::{F, Simd, V3, apart, max, mix, saturate, smoothstep, splat};
 
 /// Colour of the sky in unit direction `d`; `angle` is the angle [rad] it is averaged over.
 #[inline(always)]

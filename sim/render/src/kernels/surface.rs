@@ -1,10 +1,10 @@
 use fearless_simd::prelude::*;
 use foveasim_assets::{Pattern, Sky, Surface};
 
-use super::lanes::{F, Simd, V3, max, mix, piece, saturate, smoothstep, splat};
 use super::noise::{Fractal, fractal_3d, visible};
 use super::shade::{Hit, Light};
 use super::sky::sky;
+use super::wide::{F, Simd, V3, max, mix, piece, saturate, smoothstep, splat};
 
 /// A diffuse base under one GGX lobe (Walter et al. 2007) with Schlick's Fresnel term, and the sky
 /// mirrored with the lobe's width.

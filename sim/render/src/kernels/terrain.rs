@@ -1,8 +1,8 @@
 use foveasim_assets::{Terrain, TerrainDetail};
 
-use super::lanes::{F, Simd, V3, max, saturate, smoothstep, splat};
 use super::noise::{Fractal, fractal_2d};
 use super::shade::{Hit, Light};
+use super::wide::{F, Simd, V3, max, saturate, smoothstep, splat};
 
 /// Grass, rock and snow by slope and height, each with its own grain, under sun and sky; cheaply, in
 /// broad patches without grain and relief.

@@ -1,12 +1,12 @@
 use fearless_simd::prelude::*;
 use foveasim_assets::{MipLevel, Texture, Wrap};
 
-use super::lanes::{F, Simd, V3, saturate, splat};
+use super::wide::{F, Simd, V3, WIDTH, saturate, splat};
 
 /// Linear red, green and blue of `texture` at `uv`, averaged over `footprint` [texture widths]:
 /// trilinear, each lane from the two mip levels whose texels are next to its footprint in size.
 ///
-/// Only wrapping is done in lanes. The rest is loads from eight places, so it is one function for all
+/// Only wrapping is done in lanes. The rest is loads from many places, so it is one function for all
 /// vector widths, and what it computes on is the four channels of a texel.
 #[inline(always)]
 pub(super) fn sample<S: Simd>(simd: S, texture: &Texture, uv: [F<S>; 2], footprint: F<S>) -> V3<S> {
@@ -43,14 +43,19 @@ fn mix(a: Texel, b: Texel, t: f32) -> Texel {
 }
 
 #[inline(never)]
-fn trilinear(texture: &Texture, u: &[f32; 8], v: &[f32; 8], footprint: &[f32; 8]) -> [[f32; 8]; 3] {
+fn trilinear(
+    texture: &Texture,
+    u: &[f32; WIDTH],
+    v: &[f32; WIDTH],
+    footprint: &[f32; WIDTH],
+) -> [[f32; WIDTH]; 3] {
     let levels = texture.levels();
     let [width, height] = levels[0].size;
     let side = width.max(height) as f32;
     let last = levels.len() - 1;
     let widest = (1u32 << last) as f32;
-    let mut rgb = [[0.0; 8]; 3];
-    for i in 0..8 {
+    let mut rgb = [[0.0; WIDTH]; 3];
+    for i in 0..WIDTH {
         let texels = footprint[i] * side;
         // NaN counts as one texel, infinity as the whole texture.
         let texels = if texels > 1.0 { texels } else { 1.0 };
@@ -113,11 +118,11 @@ mod tests {
     struct Probe<'a> {
         texture: &'a Texture,
         /// u, v, footprint.
-        at: [[f32; 8]; 3],
+        at: [[f32; WIDTH]; 3],
     }
 
     impl Kernel for Probe<'_> {
-        type Output = [[f32; 8]; 3];
+        type Output = [[f32; WIDTH]; 3];
 
         #[inline(always)]
         fn run<S: Simd>(self, simd: S) -> Self::Output {
@@ -128,10 +133,10 @@ mod tests {
     }
 
     /// Both ways, which must agree to the bit.
-    fn probe(texture: &Texture, at: [[f32; 8]; 3]) -> [[f32; 8]; 3] {
+    fn probe(texture: &Texture, at: [[f32; WIDTH]; 3]) -> [[f32; WIDTH]; 3] {
         let a = dispatch(Choice::Auto, Probe { texture, at });
         let b = dispatch(Choice::Scalar, Probe { texture, at });
-        let bits = |c: [[f32; 8]; 3]| c.map(|row| row.map(f32::to_bits));
+        let bits = |c: [[f32; WIDTH]; 3]| c.map(|row| row.map(f32::to_bits));
         assert_eq!(bits(a), bits(b));
         a
     }

@@ -1,10 +1,10 @@
 use foveasim_assets::{Scene, Textured};
 
-use super::lanes::{F, Simd, V3, max, mix, splat};
 use super::shade::{Hit, Light};
 use super::sky::sky;
 use super::surface::{lobe, schlick};
 use super::texture::sample;
+use super::wide::{F, Simd, V3, max, mix, splat};
 
 /// Reflectance head on of what is not metal (glTF 2.0, B.2.1: an index of refraction of 1.5).
 const DIELECTRIC_F0: f32 = 0.04;
@@ -106,7 +106,7 @@ mod tests {
     }
 
     impl Kernel for Probe<'_> {
-        type Output = [[f32; 8]; 3];
+        type Output = [[f32; WIDTH]; 3];
 
         #[inline(always)]
         fn run<S: Simd>(self, simd: S) -> Self::Output {
@@ -137,7 +137,7 @@ mod tests {
     }
 
     /// Both ways, which must agree to the bit.
-    fn probe(material: Textured, sky: Sky, light: &Light) -> [[f32; 8]; 3] {
+    fn probe(material: Textured, sky: Sky, light: &Light) -> [[f32; WIDTH]; 3] {
         let texels = (0..16 * 16).map(|i| [(i % 256) as u8, (i * 7 % 256) as u8, 90, 255]);
         let texture = |encoding| {
             Texture::new(
@@ -164,7 +164,7 @@ mod tests {
         let scene = &scene.unwrap();
         let a = dispatch(Choice::Auto, Probe { scene, light });
         let b = dispatch(Choice::Scalar, Probe { scene, light });
-        let bits = |c: [[f32; 8]; 3]| c.map(|row| row.map(f32::to_bits));
+        let bits = |c: [[f32; WIDTH]; 3]| c.map(|row| row.map(f32::to_bits));
         assert_eq!(bits(a), bits(b));
         a
     }

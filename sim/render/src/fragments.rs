@@ -1,7 +1,9 @@
 use foveasim_models::{Msaa, Shading, ShadingRate, TileRates, Work};
 use glam::UVec2;
 
-use crate::tile::{BLOCK, BLOCKS_ACROSS, SampleTile, TILE, TILE_SAMPLES, TileBuffers, index_of};
+use crate::tile::{
+    ALL, BLOCK, LANES, SampleTile, TILE, TILE_SAMPLES, TileBuffers, index_of, position_of,
+};
 
 /// No triangle: sky.
 pub(crate) const SKY: u32 = u32::MAX;
@@ -24,7 +26,7 @@ pub(crate) struct Fragment {
 /// What is to be shaded with one material, or as sky.
 #[derive(Debug, Default)]
 pub(crate) struct Bucket {
-    /// Blocks of eight samples that see this material alone, each sample one triangle.
+    /// Blocks of samples that see this material alone, each sample one triangle.
     pub(crate) blocks: Vec<u16>,
     /// All the rest.
     pub(crate) fragments: Vec<Fragment>,
@@ -111,10 +113,7 @@ impl Fragments {
             if buffers.valid[block] == 0 && rates.0.is_none() {
                 continue;
             }
-            let first = UVec2::new(
-                block as u32 % BLOCKS_ACROSS * BLOCK[0],
-                block as u32 / BLOCKS_ACROSS * BLOCK[1],
-            );
+            let first = UVec2::from(position_of(block * LANES));
             if first.cmpge(tile.size).any() {
                 continue;
             }
@@ -124,7 +123,7 @@ impl Fragments {
             }
         }
         for (bucket, count) in self.buckets.iter().zip(0..) {
-            let shaded = bucket.blocks.len() * 8 + bucket.fragments.len();
+            let shaded = bucket.blocks.len() * LANES + bucket.fragments.len();
             if count == 0 {
                 work.samples_sky += shaded as u64;
             } else {
@@ -169,7 +168,7 @@ impl Fragments {
         self.only = buckets.into_iter().all(|b| b == first).then_some(first);
     }
 
-    /// Eight samples, each shaded by itself.
+    /// A block of samples, each shaded by itself.
     fn block(&mut self, c: &Collector<'_>, block: usize, first: UVec2, work: &mut Work) {
         let positions = c.msaa.positions() as usize;
         let valid = c.buffers.valid[block];
@@ -184,7 +183,7 @@ impl Fragments {
                     .iter()
                     .fold(0, |d, slot| d | (self.bucket_of[*slot as usize] ^ bucket)),
             };
-            let alike = valid == 0xff && differ == 0;
+            let alike = valid == ALL && differ == 0;
             if alike {
                 self.buckets[bucket as usize].blocks.push(block as u16);
                 return;
@@ -206,7 +205,7 @@ impl Fragments {
             }
             return;
         }
-        for lane in (0..8).filter(|lane| valid >> lane & 1 != 0) {
+        for lane in (0..LANES as u32).filter(|lane| valid >> lane & 1 != 0) {
             let sample = first + UVec2::new(lane % BLOCK[0], lane / BLOCK[0]);
             self.group(c, sample, UVec2::ONE, work);
         }
@@ -234,7 +233,7 @@ impl Fragments {
                     continue;
                 }
                 let index = index_of(x, y);
-                let (block, lane) = (index / 8, index % 8);
+                let (block, lane) = (index / LANES, index % LANES);
                 if c.buffers.valid[block] >> lane & 1 == 0 {
                     continue;
                 }

@@ -2,7 +2,7 @@ use foveasim_models::{Affine, CellMask, Feather, Lattice, Map, Pass, Region, Res
 use foveasim_models::{Viewport, Work};
 use glam::{DVec2, DVec3, UVec2};
 
-use crate::tile::{BLOCK, SampleTile, TILE, position_of};
+use crate::tile::{BLOCK, LANES, LaneSet, SampleTile, TILE, position_of};
 
 /// Which samples of a pass are drawn.
 #[derive(Debug)]
@@ -47,7 +47,7 @@ impl<'a> Live<'a> {
     }
 
     /// Takes dead samples out of the lanes of each block that are `valid`.
-    pub(crate) fn clear_dead(&self, tile: &SampleTile, valid: &mut [u8]) {
+    pub(crate) fn clear_dead(&self, tile: &SampleTile, valid: &mut [LaneSet]) {
         if let Some(mask) = self.region {
             each_block(tile, valid, |_, sample| mask.is_live(sample));
         }
@@ -59,7 +59,7 @@ impl<'a> Live<'a> {
     }
 
     /// Counts the samples of `tile` that are not drawn, given the lanes that are.
-    pub(crate) fn count(&self, tile: &SampleTile, valid: &[u8], work: &mut Work) {
+    pub(crate) fn count(&self, tile: &SampleTile, valid: &[LaneSet], work: &mut Work) {
         if self.region.is_none() && self.hidden.is_none() {
             return;
         }
@@ -76,10 +76,10 @@ impl<'a> Live<'a> {
 }
 
 /// Keeps of the `valid` lanes those for which `keep` holds of block and sample.
-fn each_block(tile: &SampleTile, valid: &mut [u8], keep: impl Fn(usize, UVec2) -> bool) {
+fn each_block(tile: &SampleTile, valid: &mut [LaneSet], keep: impl Fn(usize, UVec2) -> bool) {
     for (block, lanes) in valid.iter_mut().enumerate() {
-        for lane in 0..8 {
-            let [x, y] = position_of(block * 8 + lane);
+        for lane in 0..LANES {
+            let [x, y] = position_of(block * LANES + lane);
             if *lanes >> lane & 1 != 0 && !keep(block, tile.origin + UVec2::new(x, y)) {
                 *lanes &= !(1 << lane);
             }
@@ -147,16 +147,16 @@ impl<'a> Hidden<'a> {
         self.holds(nearest) || (nearest - self.map.lattice_from_display(centre)).length() < margin
     }
 
-    fn clear(&self, tile: &SampleTile, valid: &mut [u8]) {
+    fn clear(&self, tile: &SampleTile, valid: &mut [LaneSet]) {
         for (block, lanes) in valid.iter_mut().enumerate() {
-            let [x, y] = position_of(block * 8);
+            let [x, y] = position_of(block * LANES);
             let first = tile.origin + UVec2::new(x, y);
             if self.hides(first, first + UVec2::from(BLOCK)) {
                 *lanes = 0;
                 continue;
             }
-            for lane in 0..8 {
-                let [x, y] = position_of(block * 8 + lane);
+            for lane in 0..LANES {
+                let [x, y] = position_of(block * LANES + lane);
                 let sample = tile.origin + UVec2::new(x, y);
                 if *lanes >> lane & 1 != 0 && self.hides(sample, sample + UVec2::ONE) {
                     *lanes &= !(1 << lane);

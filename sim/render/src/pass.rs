@@ -12,7 +12,7 @@ use crate::raster::{
     EyeVertex, Needs, PassTriangles, SetUp, SetUpTriangle, ViewGeometry, attributes, details,
     set_up, vertices,
 };
-use crate::tile::{SampleTile, TILE, TILE_SAMPLES, TileBuffers, position_of, sampled};
+use crate::tile::{LANES, SampleTile, TILE, TILE_SAMPLES, TileBuffers, position_of, sampled};
 use crate::visible::PassObjects;
 use crate::{RenderError, RenderOptions};
 
@@ -70,7 +70,7 @@ pub fn visibility_at(
         let tile = SampleTile::of(&plan.passes[pass], x, y);
         drawing.find_visible(&tile, &mut scratch, &mut Work::default());
         for (place, first) in drawing.samples(&tile, &scratch.buffers) {
-            let index = first + 8 * position;
+            let index = first + LANES * position;
             let slot = scratch.buffers.slot.as_flattened()[index];
             if slot != 0 {
                 let t = &scratch.triangles[slot as usize - 1];
@@ -324,11 +324,11 @@ impl<'a> Drawing<'a> {
         let (origin, across) = (tile.origin, self.projection.size.x as usize);
         let positions = self.msaa.positions() as usize;
         (0..TILE_SAMPLES)
-            .filter(|i| buffers.valid[i / 8] >> (i % 8) & 1 != 0)
+            .filter(|i| buffers.valid[i / LANES] >> (i % LANES) & 1 != 0)
             .map(move |i| {
                 let [x, y] = position_of(i);
                 let place = (origin.y + y) as usize * across + (origin.x + x) as usize;
-                (place, i / 8 * 8 * positions + i % 8)
+                (place, i / LANES * LANES * positions + i % LANES)
             })
     }
 
@@ -460,11 +460,11 @@ impl<'a> Drawing<'a> {
             buffers, triangles, ..
         } = scratch;
         for index in 0..if rows.is_empty() { 0 } else { TILE_SAMPLES } {
-            if buffers.valid[index / 8] >> (index % 8) & 1 == 0 {
+            if buffers.valid[index / LANES] >> (index % LANES) & 1 == 0 {
                 continue;
             }
             let [x, y] = position_of(index);
-            let (block, lane) = (index / 8 * positions, index % 8);
+            let (block, lane) = (index / LANES * positions, index % LANES);
             let (depths, instances) = &mut rows[y as usize];
             let slot = buffers.slot[block][lane];
             depths[x as usize] = buffers.depth[block][lane];

@@ -7,8 +7,14 @@ use crate::live::Live;
 pub(crate) const TILE: u32 = 64;
 /// Samples of a tile.
 pub(crate) const TILE_SAMPLES: usize = (TILE * TILE) as usize;
-/// Samples are kept in blocks of 4 × 2: eight lanes, close together in both directions.
-pub(crate) const BLOCK: [u32; 2] = [4, 2];
+/// Samples are kept in blocks of 4 × 4, close together in both directions.
+pub(crate) const BLOCK: [u32; 2] = [4, 4];
+/// Samples of a block, row by row: its lanes.
+pub(crate) const LANES: usize = (BLOCK[0] * BLOCK[1]) as usize;
+/// A set of lanes, one bit for each.
+pub(crate) type LaneSet = u16;
+/// All lanes of a block.
+pub(crate) const ALL: LaneSet = LaneSet::MAX;
 /// Blocks along a row of blocks.
 pub(crate) const BLOCKS_ACROSS: u32 = TILE / BLOCK[0];
 
@@ -19,7 +25,7 @@ pub(crate) const CELLS_ACROSS: i32 = TILE as i32 / CELL;
 
 /// More than the blocks of four cells at four positions each: one more, so that the next may be written
 /// before it is known whether it counts; and a power of two.
-pub(crate) const LIST: usize = 256;
+pub(crate) const LIST: usize = 128;
 
 /// A square of samples of one pass, and where they lie on the display: what every kind of visibility
 /// and all shading consume. Which kind of map it is, is asked once per tile, not per sample.
@@ -71,29 +77,29 @@ pub(crate) fn sampled(pass: &Pass) -> Map {
 #[inline(always)]
 pub(crate) fn index_of(x: u32, y: u32) -> usize {
     let block = (y / BLOCK[1]) * BLOCKS_ACROSS + x / BLOCK[0];
-    (block * 8 + (y % BLOCK[1]) * BLOCK[0] + x % BLOCK[0]) as usize
+    block as usize * LANES + ((y % BLOCK[1]) * BLOCK[0] + x % BLOCK[0]) as usize
 }
 
 /// Sample (x, y) at a place in a tile's buffers.
 #[inline(always)]
 pub(crate) fn position_of(index: usize) -> [u32; 2] {
-    let (block, lane) = (index as u32 / 8, index as u32 % 8);
+    let (block, lane) = ((index / LANES) as u32, (index % LANES) as u32);
     [
         block % BLOCKS_ACROSS * BLOCK[0] + lane % BLOCK[0],
         block / BLOCKS_ACROSS * BLOCK[1] + lane / BLOCK[0],
     ]
 }
 
-/// What is visible at each position of visibility of a tile's samples: for each block, eight lanes of the
+/// What is visible at each position of visibility of a tile's samples: for each block, the lanes of the
 /// first position, then of the next.
 #[derive(Debug)]
 pub(crate) struct TileBuffers {
     /// 1/w of the nearest triangle so far [1/m]; 0 where there is none.
-    pub(crate) depth: Vec<[f32; 8]>,
+    pub(crate) depth: Vec<[f32; LANES]>,
     /// One more than its place in the tile's list; 0 where there is none.
-    pub(crate) slot: Vec<[u32; 8]>,
+    pub(crate) slot: Vec<[u32; LANES]>,
     /// For each block, the lanes that are drawn.
-    pub(crate) valid: Vec<u8>,
+    pub(crate) valid: Vec<LaneSet>,
     /// For each cell, a lower bound of 1/w over it.
     pub(crate) farthest: [f32; (CELLS_ACROSS * CELLS_ACROSS) as usize],
     /// For each cell, how many triangles have been drawn in it since that bound was found.
@@ -106,9 +112,9 @@ impl TileBuffers {
     /// For up to `positions` positions of visibility per sample.
     pub(crate) fn new(positions: usize) -> Self {
         Self {
-            depth: vec![[0.0; 8]; TILE_SAMPLES / 8 * positions],
-            slot: vec![[0; 8]; TILE_SAMPLES / 8 * positions],
-            valid: vec![0xff; TILE_SAMPLES / 8],
+            depth: vec![[0.0; LANES]; TILE_SAMPLES / LANES * positions],
+            slot: vec![[0; LANES]; TILE_SAMPLES / LANES * positions],
+            valid: vec![ALL; TILE_SAMPLES / LANES],
             farthest: [0.0; (CELLS_ACROSS * CELLS_ACROSS) as usize],
             changed: [0; (CELLS_ACROSS * CELLS_ACROSS) as usize],
             found: [0; LIST],
@@ -117,18 +123,20 @@ impl TileBuffers {
 
     /// Empties the buffers for `tile`, of which only `live` samples are drawn.
     pub(crate) fn clear(&mut self, tile: &SampleTile, live: &Live<'_>) {
-        self.depth.fill([0.0; 8]);
-        self.slot.fill([0; 8]);
+        self.depth.fill([0.0; LANES]);
+        self.slot.fill([0; LANES]);
         self.farthest.fill(0.0);
         self.changed.fill(0);
-        self.valid.fill(0xff);
+        self.valid.fill(ALL);
         if tile.size != UVec2::splat(TILE) {
             for (block, valid) in self.valid.iter_mut().enumerate() {
                 let inside = |lane: usize| {
-                    let [x, y] = position_of(block * 8 + lane);
+                    let [x, y] = position_of(block * LANES + lane);
                     x < tile.size.x && y < tile.size.y
                 };
-                *valid = (0..8).map(|lane| u8::from(inside(lane)) << lane).sum();
+                *valid = (0..LANES)
+                    .map(|lane| LaneSet::from(inside(lane)) << lane)
+                    .sum();
             }
         }
         live.clear_dead(tile, &mut self.valid);

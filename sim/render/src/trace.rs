@@ -9,7 +9,7 @@ use crate::msaa::offsets;
 use crate::pass::{check_position, projection};
 use crate::project::{GUARD_SAMPLES, Projection, SUBSAMPLES};
 use crate::raster::{SetUp, SetUpTriangle, ViewGeometry, set_up};
-use crate::tile::{SampleTile, TILE, TILE_SAMPLES, position_of};
+use crate::tile::{LANES, LaneSet, SampleTile, TILE, TILE_SAMPLES, position_of};
 use crate::visible::PassObjects;
 use crate::{RenderError, RenderOptions, Skip, Surfel};
 
@@ -98,15 +98,16 @@ pub fn trace(
 
 /// The samples of a tile that are drawn.
 fn drawn(tile: &SampleTile, live: &Live<'_>) -> impl Iterator<Item = UVec2> + use<> {
-    let mut valid = vec![0u8; TILE_SAMPLES / 8];
+    let mut valid = vec![0; TILE_SAMPLES / LANES];
     let at = |index| UVec2::from(position_of(index));
     for index in 0..TILE_SAMPLES {
-        valid[index / 8] |= u8::from(at(index).cmplt(tile.size).all()) << (index % 8);
+        let inside = at(index).cmplt(tile.size).all();
+        valid[index / LANES] |= LaneSet::from(inside) << (index % LANES);
     }
     live.clear_dead(tile, &mut valid);
     let origin = tile.origin;
     (0..TILE_SAMPLES)
-        .filter(move |index| valid[index / 8] >> (index % 8) & 1 != 0)
+        .filter(move |index| valid[index / LANES] >> (index % LANES) & 1 != 0)
         .map(move |index| origin + at(index))
 }
 

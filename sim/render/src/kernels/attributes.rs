@@ -39,26 +39,29 @@ impl Details {
 #[derive(Default)]
 pub(super) struct Loose {
     /// Places among the visible triangles.
-    pub(super) names: [[u32; 8]; 2],
+    pub(super) names: [u32; WIDTH],
+    /// Lattice position of each.
+    pub(super) x: [f32; WIDTH],
+    pub(super) y: [f32; WIDTH],
     /// 1/w at each.
-    pub(super) inverse_w: [[f32; 8]; 2],
+    pub(super) inverse_w: [f32; WIDTH],
 }
 
 impl Loose {
-    /// The depth at lattice positions, as the depth test has it, to the bit; 1 where there is nothing.
+    /// The depth at these positions, as the depth test has it, to the bit; 1 where there is nothing.
     #[inline(always)]
-    pub(super) fn find_depth(&mut self, [x, y]: [[f32; WIDTH]; 2], triangles: &[Attributes]) {
+    pub(super) fn find_depth(&mut self, triangles: &[Attributes]) {
         for lane in 0..WIDTH {
-            let Some(Attributes(a)) = triangles.get(self.names[lane / 8][lane % 8] as usize) else {
-                self.inverse_w[lane / 8][lane % 8] = 1.0;
+            let Some(Attributes(a)) = triangles.get(self.names[lane] as usize) else {
+                self.inverse_w[lane] = 1.0;
                 continue;
             };
-            let dx = x[lane] - a[Attributes::CORNER];
-            let dy = y[lane] - a[Attributes::CORNER + 1];
+            let dx = self.x[lane] - a[Attributes::CORNER];
+            let dy = self.y[lane] - a[Attributes::CORNER + 1];
             let [at, step_x, step_y, low, high] = std::array::from_fn(|k| a[Attributes::DEPTH + k]);
             let depth = dx * step_x + at + dy * step_y;
             let depth = if depth < high { depth } else { high };
-            self.inverse_w[lane / 8][lane % 8] = if depth > low { depth } else { low };
+            self.inverse_w[lane] = if depth > low { depth } else { low };
         }
     }
 }

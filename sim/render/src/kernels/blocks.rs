@@ -1,9 +1,9 @@
 //! What never changes about the blocks of a tile, looked up instead of worked out.
 
-use crate::tile::{BLOCK, BLOCKS_ACROSS, CELL, CELLS_ACROSS, TILE_SAMPLES};
+use crate::tile::{BLOCK, BLOCKS_ACROSS, CELL, CELLS_ACROSS, LANES, LaneSet, TILE_SAMPLES};
 
 /// Blocks of a tile.
-pub(super) const BLOCKS: usize = TILE_SAMPLES / 8;
+pub(super) const BLOCKS: usize = TILE_SAMPLES / LANES;
 
 /// The cell of each block.
 pub(super) const CELL_OF: [u8; BLOCKS] = {
@@ -18,9 +18,9 @@ pub(super) const CELL_OF: [u8; BLOCKS] = {
     cells
 };
 
-/// For each set of lanes, how many quads of 2 × 2 samples they are of: lanes 0, 1, 4, 5 are one, the others
-/// the second.
-pub(super) const QUADS: [u8; 256] = {
+/// For each set of lanes of two rows of a block, how many quads of 2 × 2 samples they are of: lanes 0, 1, 4, 5
+/// are one, the others the second.
+const QUADS: [u8; 256] = {
     let mut quads = [0; 256];
     let mut lanes = 0;
     while lanes < 256 {
@@ -29,6 +29,13 @@ pub(super) const QUADS: [u8; 256] = {
     }
     quads
 };
+
+/// How many quads of 2 × 2 samples a set of lanes is of.
+#[inline(always)]
+pub(super) fn quads(lanes: LaneSet) -> u64 {
+    let [upper, lower] = lanes.to_le_bytes();
+    u64::from(QUADS[usize::from(upper)] + QUADS[usize::from(lower)])
+}
 
 /// First sample of each block.
 pub(super) const BLOCK_AT: [[f32; 2]; BLOCKS] = {

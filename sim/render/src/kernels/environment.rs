@@ -3,7 +3,7 @@ use foveasim_assets::EnvironmentMap;
 
 use super::shade::Light;
 use super::sky::over_ground;
-use super::wide::{F, I, Simd, U, V3, WIDTH, max, min, splat, two};
+use super::wide::{F, I, Simd, U, V3, WIDTH, max, min, piece, splat, two};
 
 /// The environment in unit direction `d`, averaged over `angle` [rad]: bilinear in each of the two
 /// halved copies whose texels are next in size, and linear between them.
@@ -48,25 +48,31 @@ pub(super) fn environment<S: Simd>(
 /// Between the four texels about a place, in one copy for each lane.
 #[inline(always)]
 fn bilinear<S: Simd>(simd: S, map: &EnvironmentMap, level: U<S>, place: [F<S>; 2]) -> V3<S> {
-    let zero = splat(simd, 0.0);
-    // 2^−level is exact, and so is the size of each copy.
-    let shrink: F<S> = ((U::splat(simd, 127) - level) << 23).bitcast();
-    let last = shrink * map.size() as f32 - 1.0;
-    let size = last + 1.0;
-    let [(x0, x1, fx), (y0, y1, fy)] = two(
+    piece(
+        simd,
         #[inline(always)]
-        |k| {
-            let at = min(max(place[k] * size - 0.5, zero), last);
-            let low = at.floor();
-            let high = min(low + 1.0, last);
-            let (first, second) = (low.to_int::<I<S>>(), high.to_int::<I<S>>());
-            (first.to_array(), second.to_array(), at - low)
+        || {
+            let zero = splat(simd, 0.0);
+            // 2^−level is exact, and so is the size of each copy.
+            let shrink: F<S> = ((U::splat(simd, 127) - level) << 23).bitcast();
+            let last = shrink * map.size() as f32 - 1.0;
+            let size = last + 1.0;
+            let [(x0, x1, fx), (y0, y1, fy)] = two(
+                #[inline(always)]
+                |k| {
+                    let at = min(max(place[k] * size - 0.5, zero), last);
+                    let low = at.floor();
+                    let high = min(low + 1.0, last);
+                    let (first, second) = (low.to_int::<I<S>>(), high.to_int::<I<S>>());
+                    (first.to_array(), second.to_array(), at - low)
+                },
+            );
+            let level = level.to_array();
+            let upper = texel(simd, map, level, x0, y0).mix(texel(simd, map, level, x1, y0), fx);
+            let lower = texel(simd, map, level, x0, y1).mix(texel(simd, map, level, x1, y1), fx);
+            upper.mix(lower, fy)
         },
-    );
-    let level = level.to_array();
-    let upper = texel(simd, map, level, x0, y0).mix(texel(simd, map, level, x1, y0), fx);
-    let lower = texel(simd, map, level, x0, y1).mix(texel(simd, map, level, x1, y1), fx);
-    upper.mix(lower, fy)
+    )
 }
 
 /// One texel for each lane.
@@ -78,28 +84,46 @@ fn texel<S: Simd>(
     x: [i32; WIDTH],
     y: [i32; WIDTH],
 ) -> V3<S> {
-    let mut texels = [0; WIDTH];
-    for lane in 0..WIDTH {
-        let level = level[lane] as usize;
-        let row = y[lane] as usize * (map.size() as usize >> level);
-        texels[lane] = map.texels()[map.starts()[level] + row + x[lane] as usize];
-    }
-    unpack(U::from_slice(simd, &texels))
+    piece(
+        simd,
+        #[inline(always)]
+        || {
+            let mut texels = [0; WIDTH];
+            for lane in 0..WIDTH {
+                let level = level[lane] as usize;
+                let row = y[lane] as usize * (map.size() as usize >> level);
+                texels[lane] = map.texels()[map.starts()[level] + row + x[lane] as usize];
+            }
+            unpack(U::from_slice(simd, &texels))
+        },
+    )
 }
 
 /// Shared-exponent texels, as [`EnvironmentMap::unpack`].
 #[inline(always)]
 fn unpack<S: Simd>(texels: U<S>) -> V3<S> {
-    let scale: F<S> = (((texels >> 27) + (127 - 24)) << 23).bitcast();
-    V3 {
-        x: component(texels, scale),
-        y: component(texels >> 9, scale),
-        z: component(texels >> 18, scale),
-    }
+    piece(
+        texels.simd,
+        #[inline(always)]
+        || {
+            let scale: F<S> = (((texels >> 27) + (127 - 24)) << 23).bitcast();
+            V3 {
+                x: component(texels, scale),
+                y: component(texels >> 9, scale),
+                z: component(texels >> 18, scale),
+            }
+        },
+    )
 }
 
 #[inline(always)]
 fn component<S: Simd>(bits: U<S>, scale: F<S>) -> F<S> {
-    let whole: I<S> = (bits & 0x1ff).bitcast();
-    whole.to_float::<F<S>>() * scale
+    piece(
+        scale.simd,
+        #[inline(always)]
+        || {
+            let whole: I<S> = (bits & 0x1ff).bitcast();
+            whole.to_float::<F<S>>() * scale
+        },
+    )
 }

@@ -2,7 +2,7 @@
 //! results IEEE 754 defines, so each vector level gives the same bits.
 
 use fearless_simd::prelude::*;
-pub(crate) use fearless_simd::{f32x8, i32x8, mask32x8, u32x8};
+pub(crate) use fearless_simd::{f32x8, i32x8, mask32x8};
 
 /// A vector level that kernels are compiled for.
 pub(crate) trait Simd: fearless_simd::Simd {
@@ -86,5 +86,9 @@ pub(crate) fn min<S: Simd, V: Float<S>>(a: V, b: V) -> V {
 #[inline(always)]
 pub(crate) fn saturate<S: Simd, V: Float<S>>(a: V) -> V {
     let simd = a.token();
-    min(max(a, V::splat(simd, 0.0)), V::splat(simd, 1.0))
+    piece(
+        simd,
+        #[inline(always)]
+        || min(max(a, V::splat(simd, 0.0)), V::splat(simd, 1.0)),
+    )
 }

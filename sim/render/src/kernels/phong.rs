@@ -60,6 +60,7 @@ pub(super) fn sin<S: Simd>(simd: S, x: F<S>) -> F<S> {
 
 #[cfg(test)]
 mod tests {
+    use super::super::wide::WIDTH;
     use super::super::{Kernel, dispatch};
     use super::*;
     use crate::Simd as Choice;

@@ -1,12 +1,10 @@
 use fearless_simd::prelude::*;
-use fearless_simd::u32x8;
 use foveasim_assets::{Material, Scene, Sky};
 use foveasim_models::{Msaa, Pose};
 use glam::{DMat3, DVec3};
 
 use super::Kernel;
 use super::attributes::{Attributes, Details, Loose};
-use super::lanes;
 use super::phong::phong;
 use super::sky::{aerial, sky};
 use super::surface::surface;
@@ -16,7 +14,7 @@ use super::wide::{F, M, Simd, U, V3, WIDTH, apart, max, min, piece, saturate, sp
 use crate::fragments::{Fragment, Fragments, SKY};
 use crate::project::Projection;
 use crate::raster::Needs;
-use crate::tile::{SampleTile, TileBuffers, position_of};
+use crate::tile::{BLOCK, LANES, SampleTile, TileBuffers, position_of};
 
 /// Light that reaches every surface alike.
 #[derive(Debug, Clone, Copy)]
@@ -48,8 +46,14 @@ impl Light {
     /// Light from sky and ground that a surface of unit normal `n` gathers, times 1/π.
     #[inline(always)]
     pub(super) fn ambient<S: Simd>(&self, simd: S, n: V3<S>) -> V3<S> {
-        let upward = n.y * 0.5 + 0.5;
-        V3::splat(simd, self.ambient_down).mix(V3::splat(simd, self.ambient_up), upward)
+        piece(
+            simd,
+            #[inline(always)]
+            || {
+                let upward = n.y * 0.5 + 0.5;
+                V3::splat(simd, self.ambient_down).mix(V3::splat(simd, self.ambient_up), upward)
+            },
+        )
     }
 }
 
@@ -233,25 +237,19 @@ impl ShadeTile<'_, '_> {
         let display = [0, 1].map(|k| [map.scale[k] as f32, map.origin[k] as f32]);
         // Blocks first, then single fragments, in one loop: shading is compiled once.
         let bucket = &self.fragments.buckets[self.bucket];
-        let of_blocks = bucket.blocks.len().div_ceil(BLOCKS);
-        let steps = of_blocks + bucket.fragments.len().div_ceil(WIDTH);
+        let steps = bucket.blocks.len() + bucket.fragments.len().div_ceil(WIDTH);
         let mut loose = Loose::default();
         for step in 0..steps {
-            let blocks = (step < of_blocks).then(|| {
-                let first = bucket.blocks[step * BLOCKS];
-                // One without a second is shaded twice.
-                let second = bucket.blocks.get(step * BLOCKS + 1);
-                [first, second.copied().unwrap_or(first)]
-            });
-            let fragments = match blocks {
+            let block = bucket.blocks.get(step).copied();
+            let fragments = match block {
                 Some(_) => &[][..],
                 None => {
-                    let first = (step - of_blocks) * WIDTH;
+                    let first = (step - bucket.blocks.len()) * WIDTH;
                     &bucket.fragments[first..bucket.fragments.len().min(first + WIDTH)]
                 }
             };
-            let batch = match blocks {
-                Some(blocks) => self.blocks(simd, blocks, &display, &mut loose),
+            let batch = match block {
+                Some(block) => self.block(simd, block, &display, &mut loose),
                 None => self.fragments(simd, fragments, &display, &mut loose),
             };
             let colour = shade(&batch);
@@ -259,20 +257,16 @@ impl ShadeTile<'_, '_> {
             let r = max(colour.x, zero).to_array();
             let g = max(colour.y, zero).to_array();
             let b = max(colour.z, zero).to_array();
-            match blocks {
-                Some(blocks) => {
-                    for (n, block) in blocks.into_iter().enumerate() {
-                        let [x, y] = position_of(block as usize * 8);
-                        let (x, y) = (x as usize, y as usize);
-                        for (k, row) in self.out[y..y + 2].iter_mut().enumerate() {
-                            let k = 8 * n + 4 * k;
-                            row[x..x + 4].copy_from_slice(&[
-                                [r[k], g[k], b[k]],
-                                [r[k + 1], g[k + 1], b[k + 1]],
-                                [r[k + 2], g[k + 2], b[k + 2]],
-                                [r[k + 3], g[k + 3], b[k + 3]],
-                            ]);
-                        }
+            match block {
+                Some(block) => {
+                    let [x, y] = position_of(block as usize * LANES).map(|c| c as usize);
+                    for (k, row) in (0..).step_by(4).zip(&mut self.out[y..y + 4]) {
+                        row[x..x + 4].copy_from_slice(&[
+                            [r[k], g[k], b[k]],
+                            [r[k + 1], g[k + 1], b[k + 1]],
+                            [r[k + 2], g[k + 2], b[k + 2]],
+                            [r[k + 3], g[k + 3], b[k + 3]],
+                        ]);
                     }
                 }
                 None => {
@@ -284,54 +278,46 @@ impl ShadeTile<'_, '_> {
         }
     }
 
-    /// Blocks of eight samples side by side.
+    /// The samples of a block.
     #[inline(always)]
-    fn blocks<'e, S: Simd>(
+    fn block<'e, S: Simd>(
         &'e self,
         simd: S,
-        blocks: [u16; BLOCKS],
+        block: u16,
         display: &'e [[f32; 2]; 2],
         loose: &'e mut Loose,
     ) -> Batch<'e, S> {
-        let places = lanes::two(
-            #[inline(always)]
-            |n| {
-                let [px, py] = position_of(blocks[n] as usize * 8);
-                let x = (self.tile.origin.x + px) as f32;
-                let y = (self.tile.origin.y + py) as f32;
-                let lanes_x = [0.5, 1.5, 2.5, 3.5, 0.5, 1.5, 2.5, 3.5];
-                let lanes_y = [0.5, 0.5, 0.5, 0.5, 1.5, 1.5, 1.5, 1.5];
-                [
-                    lanes::F::from_slice(simd, &lanes_x) + x,
-                    lanes::F::from_slice(simd, &lanes_y) + y,
-                ]
-            },
-        );
-        let lattice = lanes::two(
-            #[inline(always)]
-            |k| places[0][k].combine(places[1][k]),
-        );
-        let first = blocks.map(|block| block as usize * self.msaa.positions() as usize);
-        let slots = first.map(|first| &self.buffers.slot[first]);
+        let [px, py] = position_of(block as usize * LANES);
+        let x = (self.tile.origin.x + px) as f32;
+        let y = (self.tile.origin.y + py) as f32;
+        let lattice = [
+            F::from_slice(simd, &MIDDLES[0]) + x,
+            F::from_slice(simd, &MIDDLES[1]) + y,
+        ];
+        let first = block as usize * self.msaa.positions() as usize;
+        let slots = &self.buffers.slot[first];
         let inverse_w = if self.msaa == Msaa::One {
-            first.map(|first| &self.buffers.depth[first])
+            &self.buffers.depth[first]
         } else {
-            loose.names = slots.map(|slots| *slots);
+            loose.names = *slots;
             if self.bucket != 0 {
-                for name in loose.names.as_flattened_mut() {
+                for name in &mut loose.names {
                     *name = self.fragments.of_slot[*name as usize];
                 }
             }
-            loose.find_depth(
-                [lattice[0].to_array(), lattice[1].to_array()],
-                self.triangles,
+            loose.x = lattice[0].to_array();
+            loose.y = lattice[1].to_array();
+            apart(
+                simd,
+                #[inline(always)]
+                || loose.find_depth(self.triangles),
             );
-            loose.inverse_w.each_ref()
+            &loose.inverse_w
         };
         Batch {
             lattice,
             display,
-            inverse_w: joined(simd, inverse_w),
+            inverse_w: F::from_slice(simd, inverse_w),
             triangles: self.triangles,
             details: self.details,
             // The middle of a sample all of whose positions are covered is covered.
@@ -351,7 +337,25 @@ impl ShadeTile<'_, '_> {
         display: &'e [[f32; 2]; 2],
         loose: &'e mut Loose,
     ) -> Batch<'e, S> {
-        let (mut x, mut y, mut coarseness) = ([0.0; WIDTH], [0.0; WIDTH], [1.0; WIDTH]);
+        let (coarseness, beside) = self.gather(fragments, loose);
+        Batch {
+            lattice: [F::from_slice(simd, &loose.x), F::from_slice(simd, &loose.y)],
+            display,
+            inverse_w: F::from_slice(simd, &loose.inverse_w),
+            triangles: self.triangles,
+            details: self.details,
+            beside,
+            slots: &loose.names,
+            of_slot: None,
+            coarseness: F::from_slice(simd, &coarseness),
+        }
+    }
+
+    /// Place, triangle and depth of each; how many samples share it, and which may lie beside their
+    /// triangle. No lanes, so it is one function for all materials.
+    #[inline(never)]
+    fn gather(&self, fragments: &[Fragment], loose: &mut Loose) -> ([f32; WIDTH], u32) {
+        let mut coarseness = [1.0; WIDTH];
         let mut beside = 0;
         let every = (1u64 << self.msaa.positions()) - 1;
         for i in 0..WIDTH {
@@ -359,10 +363,10 @@ impl ShadeTile<'_, '_> {
             let fragment = &fragments[i.min(fragments.len() - 1)];
             let [width, height] = fragment.size.map(f32::from);
             let [px, py] = fragment.first.map(u32::from);
-            x[i] = (self.tile.origin.x + px) as f32 + 0.5 * width;
-            y[i] = (self.tile.origin.y + py) as f32 + 0.5 * height;
+            loose.x[i] = (self.tile.origin.x + px) as f32 + 0.5 * width;
+            loose.y[i] = (self.tile.origin.y + py) as f32 + 0.5 * height;
             coarseness[i] = if width > height { width } else { height };
-            loose.names.as_flattened_mut()[i] = match fragment.triangle {
+            loose.names[i] = match fragment.triangle {
                 SKY => 0,
                 name => name,
             };
@@ -370,18 +374,8 @@ impl ShadeTile<'_, '_> {
                 beside |= 1 << i;
             }
         }
-        loose.find_depth([x, y], self.triangles);
-        Batch {
-            lattice: [F::from_slice(simd, &x), F::from_slice(simd, &y)],
-            display,
-            inverse_w: joined(simd, loose.inverse_w.each_ref()),
-            triangles: self.triangles,
-            details: self.details,
-            beside,
-            slots: loose.names.each_ref(),
-            of_slot: None,
-            coarseness: F::from_slice(simd, &coarseness),
-        }
+        loose.find_depth(self.triangles);
+        (coarseness, beside)
     }
 
     /// Puts a colour wherever its fragment is seen.
@@ -413,14 +407,17 @@ impl ShadeTile<'_, '_> {
     }
 }
 
-/// Blocks in a batch.
-const BLOCKS: usize = WIDTH / 8;
-
-/// Two times eight lanes.
-#[inline(always)]
-fn joined<S: Simd>(simd: S, [a, b]: [&[f32; 8]; BLOCKS]) -> F<S> {
-    lanes::F::from_slice(simd, a).combine(lanes::F::from_slice(simd, b))
-}
+/// Middles of a block's samples from its first corner, across and down.
+const MIDDLES: [[f32; WIDTH]; 2] = {
+    let mut middles = [[0.0; WIDTH]; 2];
+    let mut lane = 0;
+    while lane < WIDTH {
+        middles[0][lane] = (lane % BLOCK[0] as usize) as f32 + 0.5;
+        middles[1][lane] = (lane / BLOCK[0] as usize) as f32 + 0.5;
+        lane += 1;
+    }
+    middles
+};
 
 /// [`WIDTH`] places to be shaded.
 struct Batch<'a, S: Simd> {
@@ -434,32 +431,49 @@ struct Batch<'a, S: Simd> {
     /// Lanes whose place may lie outside of their triangle.
     beside: u32,
     /// Which triangle each lane sees: its slot, or its place among the visible.
-    slots: [&'a [u32; 8]; BLOCKS],
+    slots: &'a [u32; WIDTH],
     /// Place among the visible of each slot.
     of_slot: Option<&'a [u32]>,
     /// Along the longer side, how many samples share the evaluation.
     coarseness: F<S>,
 }
 
+/// Attributes that the lanes of a batch see.
+struct Found<S: Simd> {
+    /// Normal in the world, of any length.
+    normal: V3<S>,
+    /// Position in the object.
+    object: V3<S>,
+    uv: [F<S>; 2],
+    /// Object units and texture units per metre.
+    per_metre: [F<S>; 2],
+}
+
 impl<S: Simd> Batch<'_, S> {
     /// Direction (not unit length: w = 1) in the world, and the angle a sample spans.
     #[inline(always)]
     fn ray(&self, c: &ShadeContext<'_>) -> (V3<S>, F<S>) {
-        // By way of display pixels, so that passes on the display's own grid agree to the bit.
-        let [x, y] = self.display;
-        let px = self.lattice[0] * x[0] + x[1];
-        let py = self.lattice[1] * y[0] + y[1];
-        let tx = px * c.tan_step[0] + c.tan_origin[0];
-        let ty = py * c.tan_step[1] + c.tan_origin[1];
-        let [x, y, z] = c.world_from_direction;
-        let direction = V3 {
-            x: tx * x[0] + ty * x[1] + x[2],
-            y: tx * y[0] + ty * y[1] + y[2],
-            z: tx * z[0] + ty * z[1] + z[2],
-        };
-        // dα ≤ d tan α; towards the edge of the image a sample spans less.
-        let secant2 = tx * tx + ty * ty + 1.0;
-        (direction, self.coarseness * c.sample_tan / secant2)
+        piece(
+            self.coarseness.simd,
+            #[inline(always)]
+            || {
+                // By way of display pixels, so that passes on the display's own grid agree to the bit.
+                let [x, y] = self.display;
+                let px = self.lattice[0] * x[0] + x[1];
+                let py = self.lattice[1] * y[0] + y[1];
+                let tx = px * c.tan_step[0] + c.tan_origin[0];
+                let ty = py * c.tan_step[1] + c.tan_origin[1];
+                let [x, y, z] = c.world_from_direction;
+                let direction = V3 {
+                    x: tx * x[0] + ty * x[1] + x[2],
+                    y: tx * y[0] + ty * y[1] + y[2],
+                    z: tx * z[0] + ty * z[1] + z[2],
+                };
+                // dα ≤ d tan α; towards the edge of the image a sample spans less.
+                let secant2 = tx * tx + ty * ty + 1.0;
+                (direction, self.coarseness * c.sample_tan / secant2)
+            },
+        )
     }
 
     /// What the samples see; a function of its own, shared by all materials.
@@ -476,54 +490,31 @@ impl<S: Simd> Batch<'_, S> {
     fn hit_inline(&self, c: &ShadeContext<'_>, simd: S, needs: Needs) -> Hit<S> {
         let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
         let w = one / self.inverse_w;
-        let (mut normal, mut object) = (V3::splat(simd, [0.0; 3]), V3::splat(simd, [0.0; 3]));
-        let (mut uv, mut per_metre) = ([zero; 2], [zero; 2]);
-        let needs_details = needs.object || needs.uv || self.beside != 0;
-        let beside = M::from_bitmask(simd, self.beside.into());
+        let mut found = Found {
+            normal: V3::splat(simd, [0.0; 3]),
+            object: V3::splat(simd, [0.0; 3]),
+            uv: [zero; 2],
+            per_metre: [zero; 2],
+        };
         // Neighbours mostly see the same triangle: one round for each that the lanes see.
-        let [low, high] = self.slots;
-        let slots: U<S> = u32x8::from_slice(simd, low).combine(u32x8::from_slice(simd, high));
+        let slots = U::from_slice(simd, self.slots);
         let mut rest = (1u32 << WIDTH) - 1;
         while rest != 0 {
-            let lane = rest.trailing_zeros() as usize;
-            let slot = self.slots[lane / 8 % BLOCKS][lane % 8];
+            let slot = self.slots[rest.trailing_zeros() as usize % WIDTH];
             let here = slots.simd_eq(slot);
             rest &= !(here.to_bitmask() as u32);
-            let name = self.of_slot.map_or(slot, |places| places[slot as usize]) as usize;
-            let a = &self.triangles[name].0;
-            let dx = self.lattice[0] - a[Attributes::CORNER];
-            let dy = self.lattice[1] - a[Attributes::CORNER + 1];
-            let over_w = V3 {
-                x: plane(a, Attributes::NORMAL, 3, dx, dy),
-                y: plane(a, Attributes::NORMAL + 1, 3, dx, dy),
-                z: plane(a, Attributes::NORMAL + 2, 3, dx, dy),
-            };
-            normal = select(here, over_w, normal);
-            if !needs_details {
-                continue;
-            }
-            let a = &self.details[name].0;
-            let weight = Details::WEIGHTS;
-            let second = plane(a, weight, 1, dx, dy) * w;
-            let third = plane(a, weight + 3, 1, dx, dy) * w;
-            // A place beside its triangle has the attributes of one within.
-            let second = saturate(second);
-            let third = min(saturate(third), one - second);
-            let within = triple(a, Details::NORMAL, second, third);
-            normal = select(here & beside, within, normal);
-            if needs.object {
-                object = select(here, triple(a, Details::OBJECT, second, third), object);
-                per_metre[0] = here.select(splat(simd, a[Details::PER_METRE]), per_metre[0]);
-            }
-            if needs.uv {
-                for (k, uv) in uv.iter_mut().enumerate() {
-                    let value = blend(a, Details::UV + k, 2, second, third);
-                    *uv = here.select(value, *uv);
-                }
-                let scale = splat(simd, a[Details::PER_METRE + 1]);
-                per_metre[1] = here.select(scale, per_metre[1]);
-            }
+            piece(
+                simd,
+                #[inline(always)]
+                || self.triangle(simd, slot, here, w, needs, &mut found),
+            );
         }
+        let Found {
+            normal,
+            object,
+            uv,
+            per_metre,
+        } = found;
         let (direction, angle) = self.ray(c);
         let world = V3::splat(simd, c.eye).add(direction.scale(w));
         let normal = normal.normalize();
@@ -545,13 +536,69 @@ impl<S: Simd> Batch<'_, S> {
         }
     }
 
+    /// What the lanes `here`, at distances `w`, see of a triangle.
+    #[inline(always)]
+    fn triangle(
+        &self,
+        simd: S,
+        slot: u32,
+        here: M<S>,
+        w: F<S>,
+        needs: Needs,
+        found: &mut Found<S>,
+    ) {
+        let name = self.of_slot.map_or(slot, |places| places[slot as usize]) as usize;
+        let a = &self.triangles[name].0;
+        let dx = self.lattice[0] - a[Attributes::CORNER];
+        let dy = self.lattice[1] - a[Attributes::CORNER + 1];
+        let over_w = V3 {
+            x: plane(a, Attributes::NORMAL, 3, dx, dy),
+            y: plane(a, Attributes::NORMAL + 1, 3, dx, dy),
+            z: plane(a, Attributes::NORMAL + 2, 3, dx, dy),
+        };
+        found.normal = select(here, over_w, found.normal);
+        if !(needs.object || needs.uv || self.beside != 0) {
+            return;
+        }
+        let beside = M::from_bitmask(simd, self.beside.into());
+        let a = &self.details[name].0;
+        let weight = Details::WEIGHTS;
+        let second = plane(a, weight, 1, dx, dy) * w;
+        let third = plane(a, weight + 3, 1, dx, dy) * w;
+        // A place beside its triangle has the attributes of one within.
+        let second = saturate(second);
+        let third = min(saturate(third), splat(simd, 1.0) - second);
+        let within = triple(a, Details::NORMAL, second, third);
+        found.normal = select(here & beside, within, found.normal);
+        if needs.object {
+            let place = triple(a, Details::OBJECT, second, third);
+            found.object = select(here, place, found.object);
+            let scale = splat(simd, a[Details::PER_METRE]);
+            found.per_metre[0] = here.select(scale, found.per_metre[0]);
+        }
+        if needs.uv {
+            for (k, uv) in found.uv.iter_mut().enumerate() {
+                let value = blend(a, Details::UV + k, 2, second, third);
+                *uv = here.select(value, *uv);
+            }
+            let scale = splat(simd, a[Details::PER_METRE + 1]);
+            found.per_metre[1] = here.select(scale, found.per_metre[1]);
+        }
+    }
+
     /// From the eye \[m\].
     #[inline(always)]
     fn distance(&self, c: &ShadeContext<'_>, hit: &Hit<S>) -> F<S> {
-        let to = hit
-            .world
-            .add(V3::splat(hit.angle.simd, [-c.eye[0], -c.eye[1], -c.eye[2]]));
-        to.dot(to).sqrt()
+        piece(
+            hit.angle.simd,
+            #[inline(always)]
+            || {
+                let to = hit
+                    .world
+                    .add(V3::splat(hit.angle.simd, [-c.eye[0], -c.eye[1], -c.eye[2]]));
+                to.dot(to).sqrt()
+            },
+        )
     }
 }
 

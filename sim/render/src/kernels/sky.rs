@@ -4,7 +4,7 @@ use foveasim_assets::{AnalyticSky, Sky};
 use super::environment::environment;
 use super::noise::{Fractal, fractal_2d};
 use super::shade::Light;
-use super::wide::{F, Simd, V3, apart, max, mix, saturate, smoothstep, splat};
+use super::wide::{F, Simd, V3, apart, max, mix, piece, saturate, smoothstep, splat};
 
 /// Colour of the sky in unit direction `d`; `angle` is the angle [rad] it is averaged over.
 #[inline(always)]
@@ -49,6 +49,23 @@ fn analytic<S: Simd>(simd: S, a: &AnalyticSky, light: &Light, d: V3<S>, angle: F
     );
     colour = colour.add(glow.scale(c8 * 0.06 + c64 * 0.18 + disc * 2.0));
 
+    colour = piece(
+        simd,
+        #[inline(always)]
+        || clouds(simd, a, colour, d, angle),
+    );
+    colour = piece(
+        simd,
+        #[inline(always)]
+        || mountains(simd, a, colour, d, angle),
+    );
+    over_ground(simd, light, colour, d, angle)
+}
+
+#[inline(always)]
+fn clouds<S: Simd>(simd: S, a: &AnalyticSky, colour: V3<S>, d: V3<S>, angle: F<S>) -> V3<S> {
+    let one = splat(simd, 1.0);
+    let up = max(d.y, splat(simd, 0.0));
     // Clouds on a plane overhead, seen ever more slantwise towards the horizon.
     let slant = one / (up + 0.08);
     let (u, v) = (d.x * slant * 1.1, d.z * slant * 1.1);
@@ -66,8 +83,12 @@ fn analytic<S: Simd>(simd: S, a: &AnalyticSky, light: &Light, d: V3<S>, angle: F
     let threshold = splat(simd, 0.9 - 1.5 * a.cloud_cover);
     let cloud = smoothstep(threshold, threshold + 0.75, density) * saturate(up * 7.0);
     let lit = V3::splat(simd, [0.92, 0.93, 0.95]).scale(one - saturate(density) * 0.25);
-    colour = colour.mix(lit, cloud * 0.85);
+    colour.mix(lit, cloud * 0.85)
+}
 
+#[inline(always)]
+fn mountains<S: Simd>(simd: S, a: &AnalyticSky, colour: V3<S>, d: V3<S>, angle: F<S>) -> V3<S> {
+    let one = splat(simd, 1.0);
     // Mountains: a ridge line over the circle of horizontal directions.
     let flat = max(d.x * d.x + d.z * d.z, splat(simd, 1e-12)).sqrt();
     let (hx, hz) = (d.x / flat, d.z / flat);
@@ -88,9 +109,8 @@ fn analytic<S: Simd>(simd: S, a: &AnalyticSky, light: &Light, d: V3<S>, angle: F
     let face = face.mix(V3::splat(simd, [0.70, 0.74, 0.80]), snow * 0.75);
     // Distance pales them towards their foot.
     let haze = saturate(one - slope * 6.0) * 0.75;
-    colour = face.mix(horizon, haze).mix(colour, behind);
-
-    over_ground(simd, light, colour, d, angle)
+    face.mix(V3::splat(simd, a.horizon), haze)
+        .mix(colour, behind)
 }
 
 /// What reflections see below the horizon.
@@ -102,26 +122,44 @@ pub(super) fn over_ground<S: Simd>(
     d: V3<S>,
     angle: F<S>,
 ) -> V3<S> {
-    let below = smoothstep(splat(simd, 0.0), splat(simd, 0.06) + angle, -d.y);
-    colour.mix(V3::splat(simd, light.ambient_down), below)
+    piece(
+        simd,
+        #[inline(always)]
+        || {
+            let below = smoothstep(splat(simd, 0.0), splat(simd, 0.06) + angle, -d.y);
+            colour.mix(V3::splat(simd, light.ambient_down), below)
+        },
+    )
 }
 
 #[inline(always)]
 fn pow8<S: Simd>(x: F<S>) -> F<S> {
-    let x2 = x * x;
-    let x4 = x2 * x2;
-    x4 * x4
+    piece(
+        x.simd,
+        #[inline(always)]
+        || {
+            let x2 = x * x;
+            let x4 = x2 * x2;
+            x4 * x4
+        },
+    )
 }
 
 /// Fades a surface `distance` \[m\] away into the horizon.
 #[inline(always)]
 pub(super) fn aerial<S: Simd>(simd: S, light: &Light, colour: V3<S>, distance: F<S>) -> V3<S> {
-    let far = distance * light.per_visibility_m;
-    let clear = splat(simd, 1.0) / (far * far + 1.0);
-    let fog = V3::splat(simd, light.fog);
-    V3 {
-        x: mix(fog.x, colour.x, clear),
-        y: mix(fog.y, colour.y, clear),
-        z: mix(fog.z, colour.z, clear),
-    }
+    piece(
+        simd,
+        #[inline(always)]
+        || {
+            let far = distance * light.per_visibility_m;
+            let clear = splat(simd, 1.0) / (far * far + 1.0);
+            let fog = V3::splat(simd, light.fog);
+            V3 {
+                x: mix(fog.x, colour.x, clear),
+                y: mix(fog.y, colour.y, clear),
+                z: mix(fog.z, colour.z, clear),
+            }
+        },
+    )
 }

@@ -55,22 +55,38 @@ const MARBLE_MEAN: f32 = 0.223;
 /// Szirmay-Kalos 2001); `a2` is α².
 #[inline(always)]
 pub(super) fn lobe<S: Simd>(simd: S, a2: F<S>, n_h: F<S>, l_h: F<S>) -> F<S> {
-    let k = n_h * n_h * (a2 - 1.0) + 1.0;
-    a2 / (k * k) / (max(l_h * l_h, splat(simd, 0.1)) * 4.0)
+    piece(
+        simd,
+        #[inline(always)]
+        || {
+            let k = n_h * n_h * (a2 - 1.0) + 1.0;
+            a2 / (k * k) / (max(l_h * l_h, splat(simd, 0.1)) * 4.0)
+        },
+    )
 }
 
 /// (1 − c)⁵: how far reflectance has gone from f0 to 1 at an angle of cosine c (Schlick 1994).
 #[inline(always)]
 pub(super) fn schlick<S: Simd>(simd: S, c: F<S>) -> F<S> {
-    let x = splat(simd, 1.0) - c;
-    let x2 = x * x;
-    x2 * x2 * x
+    piece(
+        simd,
+        #[inline(always)]
+        || {
+            let x = splat(simd, 1.0) - c;
+            let x2 = x * x;
+            x2 * x2 * x
+        },
+    )
 }
 
 /// f0 + (1 − f0)(1 − c)⁵.
 #[inline(always)]
 fn fresnel<S: Simd>(simd: S, f0: f32, c: F<S>) -> F<S> {
-    schlick(simd, c) * (1.0 - f0) + f0
+    piece(
+        simd,
+        #[inline(always)]
+        || schlick(simd, c) * (1.0 - f0) + f0,
+    )
 }
 
 /// Share of the second colour, averaged over the footprint.
@@ -112,16 +128,28 @@ fn pattern<S: Simd>(simd: S, m: &Surface, hit: &Hit<S>) -> F<S> {
 /// ±1 with period 2, averaged over `width` (the difference of its integral at both ends).
 #[inline(always)]
 fn square_wave<S: Simd>(simd: S, x: F<S>, width: F<S>) -> F<S> {
-    let width = max(width, splat(simd, 1e-3));
-    let half = width * 0.5;
-    let mean = (integral(x - half) - integral(x + half)) * 2.0 / width;
-    saturate(mean * 0.5 + 0.5) * 2.0 - 1.0
+    piece(
+        simd,
+        #[inline(always)]
+        || {
+            let width = max(width, splat(simd, 1e-3));
+            let half = width * 0.5;
+            let mean = (integral(x - half) - integral(x + half)) * 2.0 / width;
+            saturate(mean * 0.5 + 0.5) * 2.0 - 1.0
+        },
+    )
 }
 
 /// Half the integral of a square wave, up to a constant.
 #[inline(always)]
 fn integral<S: Simd>(x: F<S>) -> F<S> {
-    let half = x * 0.5;
-    let phase = half - half.floor();
-    (phase - 0.5).abs()
+    piece(
+        x.simd,
+        #[inline(always)]
+        || {
+            let half = x * 0.5;
+            let phase = half - half.floor();
+            (phase - 0.5).abs()
+        },
+    )
 }

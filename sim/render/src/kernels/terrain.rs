@@ -2,13 +2,13 @@ use foveasim_assets::{Terrain, TerrainDetail};
 
 use super::noise::{Fractal, fractal_2d};
 use super::shade::{Hit, Light};
-use super::wide::{F, Simd, V3, max, saturate, smoothstep, splat};
+use super::wide::{F, Simd, V3, max, piece, saturate, smoothstep, splat};
 
 /// Grass, rock and snow by slope and height, each with its own grain, under sun and sky; cheaply, in
 /// broad patches without grain and relief.
 #[inline(always)]
 pub(super) fn terrain<S: Simd>(simd: S, t: &Terrain, light: &Light, hit: &Hit<S>) -> V3<S> {
-    let (one, zero) = (splat(simd, 1.0), splat(simd, 0.0));
+    let zero = splat(simd, 0.0);
     let broad = noise(simd, t, hit, 23.0, 0x1111);
     let [grain, bump_x, bump_z] = match t.detail {
         TerrainDetail::Procedural => [
@@ -29,6 +29,20 @@ pub(super) fn terrain<S: Simd>(simd: S, t: &Terrain, light: &Light, hit: &Hit<S>
         }
         TerrainDetail::Cheap => hit.normal,
     };
+    let albedo = piece(
+        simd,
+        #[inline(always)]
+        || albedo(simd, t, hit, [broad, grain, bump_x]),
+    );
+    let sun = V3::splat(simd, light.sun_direction).dot(normal);
+    let sun = V3::splat(simd, light.sun_radiance).scale(max(sun, zero));
+    albedo.mul(sun.add(light.ambient(simd, normal)))
+}
+
+/// What grows or lies there, by slope, height and noise: in broad patches, in grains, of the relief.
+#[inline(always)]
+fn albedo<S: Simd>(simd: S, t: &Terrain, hit: &Hit<S>, [broad, grain, bump]: [F<S>; 3]) -> V3<S> {
+    let one = splat(simd, 1.0);
     let steep = one - hit.normal.y;
     let rockiness = smoothstep(splat(simd, 0.06), splat(simd, 0.20), steep + grain * 0.06);
     let height = hit.world.y + broad * 3.0 + grain * 1.5;
@@ -44,11 +58,7 @@ pub(super) fn terrain<S: Simd>(simd: S, t: &Terrain, light: &Light, hit: &Hit<S>
     let snow = V3::splat(simd, [0.80, 0.84, 0.90]);
     let albedo = grass.mix(rock, rockiness).mix(snow, snowiness);
     // Fine relief darkens hollows.
-    let albedo = albedo.scale(saturate(bump_x * 0.35 + 0.85));
-
-    let sun = V3::splat(simd, light.sun_direction).dot(normal);
-    let sun = V3::splat(simd, light.sun_radiance).scale(max(sun, zero));
-    albedo.mul(sun.add(light.ambient(simd, normal)))
+    albedo.scale(saturate(bump * 0.35 + 0.85))
 }
 
 /// Fractal noise over the ground, from a period of `period_m` downwards.

@@ -4,7 +4,7 @@ use super::shade::{Hit, Light};
 use super::sky::sky;
 use super::surface::{lobe, schlick};
 use super::texture::sample;
-use super::wide::{F, Simd, V3, max, mix, splat};
+use super::wide::{F, Simd, V3, max, mix, piece, splat};
 
 /// Reflectance head on of what is not metal (glTF 2.0, B.2.1: an index of refraction of 1.5).
 const DIELECTRIC_F0: f32 = 0.04;
@@ -74,11 +74,15 @@ pub(super) fn textured<S: Simd>(
 /// From `f0` head on to `edge` at a grazing angle.
 #[inline(always)]
 fn fresnel<S: Simd>(f0: V3<S>, edge: V3<S>, facing: F<S>) -> V3<S> {
-    V3 {
-        x: mix(f0.x, edge.x, facing),
-        y: mix(f0.y, edge.y, facing),
-        z: mix(f0.z, edge.z, facing),
-    }
+    piece(
+        facing.simd,
+        #[inline(always)]
+        || V3 {
+            x: mix(f0.x, edge.x, facing),
+            y: mix(f0.y, edge.y, facing),
+            z: mix(f0.z, edge.z, facing),
+        },
+    )
 }
 
 #[cfg(test)]
@@ -86,7 +90,7 @@ mod tests {
     use fearless_simd::prelude::*;
     use foveasim_assets::{Encoding, Material, SceneParts, Sky, Sun, Texture, Wrap, study_sky};
 
-    use super::super::lanes::Simd;
+    use super::super::wide::{Simd, WIDTH};
     use super::super::{Kernel, dispatch};
     use super::*;
     use crate::Simd as Choice;
@@ -114,7 +118,13 @@ mod tests {
                 panic!("not textured")
             };
             // From facing the eye to edge-on, over the texture, near and far.
-            let slope = F::from_slice(simd, &[0.0, 0.1, 0.3, 0.5, 0.8, 0.95, 0.999, 1.0]);
+            let slope = F::from_slice(
+                simd,
+                &[
+                    0.0, 0.1, 0.2, 0.25, 0.3, 0.4, 0.5, 0.6, 0.7, 0.8, 0.9, 0.95, 0.99, 0.999,
+                    0.9999, 1.0,
+                ],
+            );
             let n = V3 {
                 x: slope,
                 y: (splat(simd, 1.0) - slope * slope).sqrt(),
@@ -198,7 +208,7 @@ mod tests {
             ..Textured::default()
         };
         let got = probe(material, Sky::Uniform([0.0; 3]), &DARK);
-        assert_eq!(got, [[2.0; 8], [0.25; 8], [0.0; 8]]);
+        assert_eq!(got, [[2.0; WIDTH], [0.25; WIDTH], [0.0; WIDTH]]);
     }
 
     #[test]
@@ -210,6 +220,6 @@ mod tests {
             ..Textured::default()
         };
         let got = probe(mirror, Sky::Uniform([0.25, 0.5, 0.75]), &DARK);
-        assert_eq!(got, [[0.25; 8], [0.5; 8], [0.75; 8]]);
+        assert_eq!(got, [[0.25; WIDTH], [0.5; WIDTH], [0.75; WIDTH]]);
     }
 }

@@ -1,7 +1,7 @@
 use fearless_simd::prelude::*;
 
 use super::Kernel;
-use super::lanes::{F, Simd, i32x8, mask32x8, splat, three, two};
+use super::lanes::{F, Simd, i32x8, mask32x8, piece, splat, three, two};
 use crate::project::{Projection, SUBSAMPLES};
 use crate::raster::{BEHIND, Emitter, EyeVertex, SetUpTriangle};
 
@@ -129,48 +129,57 @@ impl SetUpEight<'_, '_> {
 
     #[inline(always)]
     fn corner<S: Simd>(&self, simd: S, projection: &Projection, names: [u32; 8]) -> Corner<S> {
-        let mut columns = [[0.0; 8]; 5];
-        for (lane, name) in names.into_iter().enumerate() {
-            let v = &self.vertices[name as usize];
-            let [x, y, w] = v.eye;
-            for (column, value) in columns.iter_mut().zip([x, y, w, v.px[0], v.px[1]]) {
-                column[lane] = value;
-            }
-        }
-        let [x, y, w] = three(
+        piece(
+            simd,
             #[inline(always)]
-            |k| F::from_slice(simd, &columns[k]),
-        );
-        let [u, v] = two(
-            #[inline(always)]
-            |k| F::from_slice(simd, &columns[3 + k]),
-        );
-        // Asked so that NaN is not usable.
-        let mut usable = w.simd_ge(projection.near as f32) & w.simd_le(f32::MAX);
-        let px = [u, v];
-        let sub = two(
-            #[inline(always)]
-            |k| (px[k] * projection.sub_per_px[k] - projection.origin_fraction[k] + 0.5).floor(),
-        );
-        for (k, sub) in sub.iter().enumerate() {
-            let [low, high] = projection.usable_range(k);
-            usable &= sub.simd_ge(low) & sub.simd_le(high);
-        }
-        // The conversion to integers is undefined for NaN and large numbers.
-        let snapped = two(
-            #[inline(always)]
-            |k| {
-                let safe = usable.select(sub[k], splat(simd, 0.0));
-                safe.to_int::<i32x8<S>>() - projection.origin_whole[k]
+            || {
+                let mut columns = [[0.0; 8]; 5];
+                for (lane, name) in names.into_iter().enumerate() {
+                    let v = &self.vertices[name as usize];
+                    let [x, y, w] = v.eye;
+                    for (column, value) in columns.iter_mut().zip([x, y, w, v.px[0], v.px[1]]) {
+                        column[lane] = value;
+                    }
+                }
+                let [x, y, w] = three(
+                    #[inline(always)]
+                    |k| F::from_slice(simd, &columns[k]),
+                );
+                let [u, v] = two(
+                    #[inline(always)]
+                    |k| F::from_slice(simd, &columns[3 + k]),
+                );
+                // Asked so that NaN is not usable.
+                let mut usable = w.simd_ge(projection.near as f32) & w.simd_le(f32::MAX);
+                let px = [u, v];
+                let sub = two(
+                    #[inline(always)]
+                    |k| {
+                        (px[k] * projection.sub_per_px[k] - projection.origin_fraction[k] + 0.5)
+                            .floor()
+                    },
+                );
+                for (k, sub) in sub.iter().enumerate() {
+                    let [low, high] = projection.usable_range(k);
+                    usable &= sub.simd_ge(low) & sub.simd_le(high);
+                }
+                // The conversion to integers is undefined for NaN and large numbers.
+                let snapped = two(
+                    #[inline(always)]
+                    |k| {
+                        let safe = usable.select(sub[k], splat(simd, 0.0));
+                        safe.to_int::<i32x8<S>>() - projection.origin_whole[k]
+                    },
+                );
+                Corner {
+                    eye: [x, y, w],
+                    px,
+                    sub,
+                    snapped,
+                    usable,
+                }
             },
-        );
-        Corner {
-            eye: [x, y, w],
-            px,
-            sub,
-            snapped,
-            usable,
-        }
+        )
     }
 
     /// Writes out the triangles of the lanes in `drawn`.
@@ -251,32 +260,39 @@ fn mask<S: Simd>(m: mask32x8<S>) -> u32 {
 /// never more than half a sub-sample away, nothing large is subtracted.
 #[inline(always)]
 fn depth_plane<S: Simd>(simd: S, projection: &Projection, [a, b, c]: [&Corner<S>; 3]) -> [F<S>; 5] {
-    let e = three(
+    piece(
+        simd,
         #[inline(always)]
-        |k| b.eye[k] - a.eye[k],
-    );
-    let f = three(
-        #[inline(always)]
-        |k| c.eye[k] - a.eye[k],
-    );
-    let nx = e[1] * f[2] - e[2] * f[1];
-    let ny = e[2] * f[0] - e[0] * f[2];
-    let nw = e[0] * f[1] - e[1] * f[0];
-    let det = nx * a.eye[0] + ny * a.eye[1] + nw * a.eye[2];
-    let one = splat(simd, 1.0);
-    let inverse = [one / a.eye[2], one / b.eye[2], one / c.eye[2]];
-    let (nx, ny) = (nx / det, ny / det);
-    let shift = two(
-        #[inline(always)]
-        |k| {
-            let snapped = (a.sub[k] + projection.origin_fraction[k]) * projection.px_per_sub[k];
-            (snapped - a.px[k]) * projection.tan_per_px[k]
+        || {
+            let e = three(
+                #[inline(always)]
+                |k| b.eye[k] - a.eye[k],
+            );
+            let f = three(
+                #[inline(always)]
+                |k| c.eye[k] - a.eye[k],
+            );
+            let nx = e[1] * f[2] - e[2] * f[1];
+            let ny = e[2] * f[0] - e[0] * f[2];
+            let nw = e[0] * f[1] - e[1] * f[0];
+            let det = nx * a.eye[0] + ny * a.eye[1] + nw * a.eye[2];
+            let one = splat(simd, 1.0);
+            let inverse = [one / a.eye[2], one / b.eye[2], one / c.eye[2]];
+            let (nx, ny) = (nx / det, ny / det);
+            let shift = two(
+                #[inline(always)]
+                |k| {
+                    let snapped =
+                        (a.sub[k] + projection.origin_fraction[k]) * projection.px_per_sub[k];
+                    (snapped - a.px[k]) * projection.tan_per_px[k]
+                },
+            );
+            let step = projection.tangent_step();
+            let at = inverse[0] + (nx * shift[0] + ny * shift[1]);
+            let [p, q, r] = inverse;
+            let low = super::lanes::min(super::lanes::min(p, q), r);
+            let high = super::lanes::max(super::lanes::max(p, q), r);
+            [at, nx * (step.x as f32), ny * (step.y as f32), low, high]
         },
-    );
-    let step = projection.tangent_step();
-    let at = inverse[0] + (nx * shift[0] + ny * shift[1]);
-    let [p, q, r] = inverse;
-    let low = super::lanes::min(super::lanes::min(p, q), r);
-    let high = super::lanes::max(super::lanes::max(p, q), r);
-    [at, nx * (step.x as f32), ny * (step.y as f32), low, high]
+    )
 }

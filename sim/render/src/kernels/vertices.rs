@@ -1,7 +1,7 @@
 use fearless_simd::prelude::*;
 
 use super::Kernel;
-use super::lanes::{F, Simd, splat};
+use super::lanes::{F, Simd, piece, splat};
 use crate::project::Optics;
 use crate::raster::EyeVertex;
 
@@ -84,11 +84,19 @@ fn load<S: Simd>(simd: S, values: &[f32]) -> F<S> {
 /// One row of an affine transform.
 #[inline(always)]
 fn row<S: Simd>(p: [F<S>; 3], m: [f32; 4]) -> F<S> {
-    p[0] * m[0] + p[1] * m[1] + p[2] * m[2] + m[3]
+    piece(
+        p[0].simd,
+        #[inline(always)]
+        || p[0] * m[0] + p[1] * m[1] + p[2] * m[2] + m[3],
+    )
 }
 
 /// One row of a rotation.
 #[inline(always)]
 fn turn<S: Simd>(p: [F<S>; 3], m: [f32; 3]) -> F<S> {
-    p[0] * m[0] + p[1] * m[1] + p[2] * m[2]
+    piece(
+        p[0].simd,
+        #[inline(always)]
+        || p[0] * m[0] + p[1] * m[1] + p[2] * m[2],
+    )
 }

@@ -2,13 +2,16 @@ use fearless_simd::prelude::*;
 use foveasim_models::{Msaa, Work};
 
 use super::Kernel;
-use super::blocks::{BLOCK_AT, BLOCKS, CELL_OF, QUADS};
+use super::blocks::{BLOCK_AT, BLOCKS, CELL_OF, quads};
 use super::edge::Edge;
-use super::lanes::{F, Simd, i32x8, mask32x8, max, min, splat, three, two, u32x8};
+use super::lanes::three;
+use super::wide::{F, I, M, Simd, U, max, min, piece, splat, two};
 use crate::msaa::offsets;
 use crate::project::SUBSAMPLES;
 use crate::raster::{Object, SetUpTriangle};
-use crate::tile::{BLOCK, BLOCKS_ACROSS, CELL, CELLS_ACROSS, LIST, SampleTile, TileBuffers};
+use crate::tile::{
+    ALL, BLOCK, BLOCKS_ACROSS, CELL, CELLS_ACROSS, LANES, LIST, LaneSet, SampleTile, TileBuffers,
+};
 
 /// A cell's farthest depth is looked up anew after this many blocks in it have been drawn to.
 const STALE: u8 = 16;
@@ -61,7 +64,7 @@ impl RasterizeTile<'_> {
         drawing.all(simd, self.tile, &offsets, &mut counts);
         self.work.triangles_occluded += counts.triangles_occluded;
         self.work.cells_occluded += counts.cells_occluded;
-        self.work.samples_tested += counts.blocks_tested * 8;
+        self.work.samples_tested += counts.blocks_tested * LANES as u64;
         self.work.samples_covered += counts.samples_covered;
         self.work.quads += counts.quads;
     }
@@ -81,9 +84,9 @@ struct Drawing<'a, const P: usize> {
     triangles: &'a [SetUpTriangle],
     objects: &'a [Object],
     skip_occluded: bool,
-    depth: &'a mut [[[f32; 8]; P]; BLOCKS],
-    slot: &'a mut [[[u32; 8]; P]; BLOCKS],
-    valid: &'a [u8; BLOCKS],
+    depth: &'a mut [[[f32; LANES]; P]; BLOCKS],
+    slot: &'a mut [[[u32; LANES]; P]; BLOCKS],
+    valid: &'a [LaneSet; BLOCKS],
     farthest: &'a mut [f32; CELLS],
     changed: &'a mut [u8; CELLS],
     found: &'a mut [u32; LIST],
@@ -101,8 +104,8 @@ impl<const P: usize> Drawing<'_, P> {
         offsets: &[[i32; 2]; P],
         counts: &mut Counts,
     ) {
-        let lane_x = i32x8::from_slice(simd, &[0, 1, 2, 3, 0, 1, 2, 3]);
-        let lane_y = i32x8::from_slice(simd, &[0, 0, 0, 0, 1, 1, 1, 1]);
+        let lane_x = I::from_slice(simd, &[0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3, 0, 1, 2, 3]);
+        let lane_y = I::from_slice(simd, &[0, 0, 0, 0, 1, 1, 1, 1, 2, 2, 2, 2, 3, 3, 3, 3]);
         let lanes = Lanes {
             x: lane_x,
             y: lane_y,
@@ -123,17 +126,29 @@ impl<const P: usize> Drawing<'_, P> {
             let cells = [[x0 / CELL, x1 / CELL], [y0 / CELL, y1 / CELL]];
             let across = cells[0][1] - cells[0][0] + 1;
             let down = cells[1][1] - cells[1][0] + 1;
-            let depth = Depth::<S, P>::new(simd, t, origin, offsets, &lanes, place);
+            let depth = piece(
+                simd,
+                #[inline(always)]
+                || Depth::<S, P>::new(simd, t, origin, offsets, &lanes, place),
+            );
             if t.is_small && across * down <= 4 {
                 if self.skip_occluded && self.hidden(simd, cells, t.depth_range[1]) {
                     counts.triangles_occluded += 1;
                     continue;
                 }
-                let blocks = [[x0 / 4, x1 / 4], [y0 / 2, y1 / 2]];
-                self.small(simd, t, &depth, origin, offsets, &lanes, blocks, counts);
+                let blocks = [[x0 / 4, x1 / 4], [y0 / 4, y1 / 4]];
+                piece(
+                    simd,
+                    #[inline(always)]
+                    || self.small(simd, t, &depth, origin, offsets, &lanes, blocks, counts),
+                );
             } else {
                 let bounds = [[x0, x1], [y0, y1]];
-                self.large(simd, t, &depth, origin, offsets, &lanes, bounds, counts);
+                piece(
+                    simd,
+                    #[inline(always)]
+                    || self.large(simd, t, &depth, origin, offsets, &lanes, bounds, counts),
+                );
             }
         }
     }
@@ -151,7 +166,11 @@ impl<const P: usize> Drawing<'_, P> {
                     return false;
                 }
                 self.changed[cell] = 0;
-                self.farthest[cell] = self.least(simd, [cx, cy]);
+                self.farthest[cell] = piece(
+                    simd,
+                    #[inline(always)]
+                    || self.least(simd, [cx, cy]),
+                );
                 if nearest >= self.farthest[cell] {
                     return false;
                 }
@@ -164,13 +183,13 @@ impl<const P: usize> Drawing<'_, P> {
     #[inline(always)]
     fn least<S: Simd>(&self, simd: S, [cx, cy]: [i32; 2]) -> f32 {
         let mut least = splat(simd, f32::MAX);
-        for by in cy * CELL / 2..(cy + 1) * CELL / 2 {
+        for by in cy * CELL / 4..(cy + 1) * CELL / 4 {
             let first = by as usize * BLOCKS_ACROSS as usize + (cx * CELL / 4) as usize;
             // The two blocks of a cell's row lie side by side.
             for block in first..first + 2 {
                 let block = block % BLOCKS;
                 match self.valid[block] {
-                    0xff => {
+                    ALL => {
                         for depth in &self.depth[block] {
                             least = min(F::from_slice(simd, depth), least);
                         }
@@ -204,7 +223,7 @@ impl<const P: usize> Drawing<'_, P> {
             (origin[0] + bx0 * BLOCK[0] as i32) * SUBSAMPLES + SUBSAMPLES / 2,
             (origin[1] + by0 * BLOCK[1] as i32) * SUBSAMPLES + SUBSAMPLES / 2,
         ];
-        let zero = i32x8::splat(simd, 0);
+        let zero = I::splat(simd, 0);
         // To the next block of the row, and to the first block of the next row.
         let mut steps = [[zero; 3]; 2];
         let mut values = [[zero; P]; 3];
@@ -213,15 +232,15 @@ impl<const P: usize> Drawing<'_, P> {
             let p = [first[0] - from[0], first[1] - from[1]];
             let top_left = d[1] < 0 || (d[1] == 0 && d[0] > 0);
             let value = d[0] * p[1] - d[1] * p[0] - i32::from(!top_left);
-            let across = lanes.y * d[0] - lanes.x * d[1];
+            let across = along(simd, lanes, [-d[1], d[0]]);
             for (values, o) in values[k].iter_mut().zip(offsets) {
                 // All values at one position are congruent: see [`Edge`].
                 let at = (value + d[0] * o[1] - d[1] * o[0]) >> SUBSAMPLES.ilog2();
                 *values = across + at;
             }
             let [across, down] = [-d[1] * BLOCK[0] as i32, d[0] * BLOCK[1] as i32];
-            steps[0][k] = i32x8::splat(simd, across);
-            steps[1][k] = i32x8::splat(simd, down - (bx1 - bx0) * across);
+            steps[0][k] = I::splat(simd, across);
+            steps[1][k] = I::splat(simd, down - (bx1 - bx0) * across);
         }
         // First which blocks are covered, in one loop without a branch for each: trip counts and
         // coverage are hard to foresee. Then those.
@@ -232,16 +251,19 @@ impl<const P: usize> Drawing<'_, P> {
         for _ in 0..blocks {
             let [first, second, third] = &values;
             for (p, ((a, b), c)) in first.iter().zip(second).zip(third).enumerate() {
-                let signs = *a | *b | *c;
-                let inside = signs.simd_ge(zero).to_bitmask() as u32;
-                self.found[count % LIST] = inside | (p as u32) << 8 | (block as u32) << 16;
+                let inside = inside(simd, [*a, *b, *c]);
+                self.found[count % LIST] = inside | (p as u32) << 16 | (block as u32) << 24;
                 count += usize::from(inside != 0);
             }
             let wraps = left == 0;
             let step = &steps[usize::from(wraps)];
             for k in 0..3 {
                 for value in &mut values[k] {
-                    *value += step[k];
+                    *value = piece(
+                        simd,
+                        #[inline(always)]
+                        || *value + step[k],
+                    );
                 }
             }
             let back = bx1 - bx0;
@@ -281,9 +303,8 @@ impl<const P: usize> Drawing<'_, P> {
         let edges = [e0, e1, e2];
         let across = three(
             #[inline(always)]
-            |k| lanes.x * edges[k].step[0] + lanes.y * edges[k].step[1],
+            |k| along(simd, lanes, edges[k].step),
         );
-        let zero = i32x8::splat(simd, 0);
         for cell_y in y0 / CELL..=y1 / CELL {
             for cell_x in x0 / CELL..=x1 / CELL {
                 let (x, y) = (cell_x * CELL, cell_y * CELL);
@@ -301,18 +322,25 @@ impl<const P: usize> Drawing<'_, P> {
                 }
                 let accepted = (over[0][1] | over[1][1] | over[2][1]) >= 0;
                 let (first_x, last_x) = (x0.max(x) / 4, x1.min(x + CELL - 1) / 4);
-                let (first_y, last_y) = (y0.max(y) / 2, y1.min(y + CELL - 1) / 2);
+                let (first_y, last_y) = (y0.max(y) / 4, y1.min(y + CELL - 1) / 4);
                 let (mut bx, mut by, mut count) = (first_x, first_y, 0);
                 while by <= last_y {
                     let block = by * BLOCKS_ACROSS as i32 + bx;
                     let (x, y) = (bx * BLOCK[0] as i32, by * BLOCK[1] as i32);
                     for p in 0..P {
-                        let signs = (across[0] + edges[0].at(p, x, y))
-                            | (across[1] + edges[1].at(p, x, y))
-                            | (across[2] + edges[2].at(p, x, y));
-                        let inside = signs.simd_ge(zero).to_bitmask() as u32;
-                        let inside = if accepted { 0xff } else { inside };
-                        self.found[count % LIST] = inside | (p as u32) << 8 | (block as u32) << 16;
+                        let inside = piece(
+                            simd,
+                            #[inline(always)]
+                            || {
+                                let at = three(
+                                    #[inline(always)]
+                                    |k| across[k] + edges[k].at(p, x, y),
+                                );
+                                inside(simd, at)
+                            },
+                        );
+                        let inside = if accepted { ALL.into() } else { inside };
+                        self.found[count % LIST] = inside | (p as u32) << 16 | (block as u32) << 24;
                         count += usize::from(inside != 0);
                     }
                     counts.blocks_tested += P as u64;
@@ -329,31 +357,52 @@ impl<const P: usize> Drawing<'_, P> {
     #[inline(always)]
     fn blocks<S: Simd>(&mut self, simd: S, count: usize, depth: &Depth<S, P>, counts: &mut Counts) {
         let mut any_tie = 0;
-        for name in &self.found[..count.min(LIST)] {
-            let (inside, p, block) = parts::<P>(*name);
-            let covered = inside & u32::from(self.valid[block]);
-            let lanes = mask32x8::from_bitmask(simd, covered.into());
-            counts.samples_covered += u64::from(covered.count_ones());
-            let at = depth.at(p, block);
-            let stored = F::from_slice(simd, &self.depth[block][p]);
-            // What is not covered is farther than anything.
-            let at = lanes.select(at, splat(simd, -1.0));
-            any_tie |= at.simd_eq(stored).to_bitmask() as u32;
-            // Written whether or not anything changes, which is hard to foresee; and the greater of two
-            // values, not a store of some lanes, which some processors are slow at.
-            let nearer = at.simd_gt(stored);
-            counts.quads += u64::from(QUADS[nearer.to_bitmask() as usize & 0xff]);
-            max(at, stored).store_slice(&mut self.depth[block][p]);
-            let slots = u32x8::from_slice(simd, &self.slot[block][p]);
-            nearer
-                .select(depth.slot, slots)
-                .store_slice(&mut self.slot[block][p]);
-            let changed = &mut self.changed[CELL_OF[block] as usize % CELLS];
-            *changed = changed.saturating_add(1);
+        for place in 0..count.min(LIST) {
+            piece(
+                simd,
+                #[inline(always)]
+                || any_tie |= self.block(simd, self.found[place], depth, counts),
+            );
         }
         if any_tie != 0 {
             self.break_ties(count, depth);
         }
+    }
+
+    /// Depth test of one of them; the lanes whose depth was there before.
+    #[inline(always)]
+    fn block<S: Simd>(
+        &mut self,
+        simd: S,
+        found: u32,
+        depth: &Depth<S, P>,
+        counts: &mut Counts,
+    ) -> u32 {
+        let (inside, p, block) = parts::<P>(found);
+        let covered = inside & self.valid[block];
+        let lanes = M::from_bitmask(simd, covered.into());
+        counts.samples_covered += u64::from(covered.count_ones());
+        let at = piece(
+            simd,
+            #[inline(always)]
+            || depth.at(p, block),
+        );
+        let stored = F::from_slice(simd, &self.depth[block][p]);
+        // What is not covered is farther than anything.
+        let at = lanes.select(at, splat(simd, -1.0));
+        let ties = at.simd_eq(stored).to_bitmask() as u32;
+        // Written whether or not anything changes, which is hard to foresee; and the greater of two
+        // values, not a store of some lanes, which some processors are slow at.
+        let nearer = at.simd_gt(stored);
+        counts.quads += quads(nearer.to_bitmask() as LaneSet);
+        max(at, stored).store_slice(&mut self.depth[block][p]);
+        let slots = U::from_slice(simd, &self.slot[block][p]);
+        nearer
+            .select(depth.slot, slots)
+            .store_slice(&mut self.slot[block][p]);
+        let changed = &mut self.changed[CELL_OF[block] as usize % CELLS];
+        *changed = changed.saturating_add(1);
+        ties
     }
 
     /// Of equal depths, the triangle that comes first in the scene stays.
@@ -366,9 +415,9 @@ impl<const P: usize> Drawing<'_, P> {
         };
         for found in &self.found[..count.min(LIST)] {
             let (inside, p, block) = parts::<P>(*found);
-            let covered = inside & u32::from(self.valid[block]);
+            let covered = inside & self.valid[block];
             let at = depth.at(p, block).to_array();
-            for lane in (0..8).filter(|lane| covered >> lane & 1 != 0) {
+            for lane in (0..LANES).filter(|lane| covered >> lane & 1 != 0) {
                 let slot = &mut self.slot[block][p][lane];
                 let ties = at[lane] == self.depth[block][p][lane];
                 if ties && *slot != 0 && name(depth.place) < name(*slot) {
@@ -379,11 +428,31 @@ impl<const P: usize> Drawing<'_, P> {
     }
 }
 
+/// Change of an edge function of these steps over the lanes of a block.
+#[inline(always)]
+fn along<S: Simd>(simd: S, lanes: &Lanes<S>, step: [i32; 2]) -> I<S> {
+    piece(
+        simd,
+        #[inline(always)]
+        || lanes.x * step[0] + lanes.y * step[1],
+    )
+}
+
+/// Where none of three edge functions is negative.
+#[inline(always)]
+fn inside<S: Simd>(simd: S, [a, b, c]: [I<S>; 3]) -> u32 {
+    piece(
+        simd,
+        #[inline(always)]
+        || (a | b | c).simd_ge(I::splat(simd, 0)).to_bitmask() as u32,
+    )
+}
+
 /// Lanes, position and block of an entry of the list of covered blocks.
 #[inline(always)]
-fn parts<const P: usize>(found: u32) -> (u32, usize, usize) {
-    let p = found as usize >> 8 & 0xff;
-    (found & 0xff, p % P, (found >> 16) as usize % BLOCKS)
+fn parts<const P: usize>(found: u32) -> (LaneSet, usize, usize) {
+    let p = found as usize >> 16 & 0xff;
+    (found as LaneSet, p % P, (found >> 24) as usize % BLOCKS)
 }
 
 /// Work done so far, kept in registers.
@@ -399,8 +468,8 @@ struct Counts {
 
 /// Places of a block's samples relative to its first.
 struct Lanes<S: Simd> {
-    x: i32x8<S>,
-    y: i32x8<S>,
+    x: I<S>,
+    y: I<S>,
     fx: F<S>,
     fy: F<S>,
 }
@@ -409,7 +478,7 @@ struct Lanes<S: Simd> {
 struct Depth<S: Simd, const P: usize> {
     step: [f32; 2],
     range: [F<S>; 2],
-    slot: u32x8<S>,
+    slot: U<S>,
     place: u32,
     corner: f32,
     /// From the first corner to the samples of the tile's first block, at each position.
@@ -438,7 +507,7 @@ impl<S: Simd, const P: usize> Depth<S, P> {
         Self {
             step: [t.depth[1], t.depth[2]],
             range: [splat(simd, t.depth_range[0]), splat(simd, t.depth_range[1])],
-            slot: u32x8::splat(simd, place),
+            slot: U::splat(simd, place),
             place,
             corner: t.depth[0],
             from,

@@ -1,13 +1,15 @@
-//! The vocabulary of shading: sixteen lanes. Its chains of operations are long and depend on one another;
+//! The vocabulary of what is done block by block: sixteen lanes. Chains of operations are long and wait for one another;
 //! twice the lanes of one vector keep a processor busy between them, and with AVX-512 they are one vector.
 
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, i32x16, mask32x16, u32x16};
 
+use crate::tile::LANES;
+
 pub(crate) use super::lanes::{Simd, apart, max, min, piece, saturate, two};
 
-/// Lanes.
-pub(crate) const WIDTH: usize = 16;
+/// Lanes: those of a block.
+pub(crate) const WIDTH: usize = LANES;
 
 /// Lanes of f32.
 pub(crate) type F<S> = f32x16<S>;

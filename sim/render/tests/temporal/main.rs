@@ -13,7 +13,8 @@ use foveasim_assets::{
 };
 use foveasim_models::{Affine, Cadence, Eye, Image, Map, Pose, SamplePlan, Stream, View, Viewport};
 use foveasim_render::{
-    Clamp, Frame, RenderError, RenderOptions, Sequence, Simd, TemporalOptions, render,
+    Clamp, Frame, Interpolation, RenderError, RenderOptions, Sequence, Simd, TemporalOptions,
+    render,
 };
 use glam::{DQuat, DVec2, DVec3};
 
@@ -23,6 +24,7 @@ const UNCLAMPED: TemporalOptions = TemporalOptions {
     staggered: false,
     blend: 0.9,
     clamp: Clamp::Off,
+    interpolation: Interpolation::Bilinear,
 };
 
 fn options() -> RenderOptions {

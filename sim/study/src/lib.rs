@@ -19,6 +19,7 @@ mod scenario;
 mod supersample;
 mod sweep;
 mod temporal;
+mod tracks;
 
 pub use frame::{Drawing, FrameError, FrameOutcome, FrameStudy, Shot, Sight};
 pub use latency::{
@@ -46,3 +47,4 @@ pub use sweep::{
     DensityAt, Drawn, GazeAt, Resolution, SWEEP_COLUMNS, Sweep, SweepDisplay, SweepEye, SweepRow,
 };
 pub use temporal::{FrameSource, TemporalQuality, TemporalRing, TemporalStudy};
+pub use tracks::Tracks;

@@ -135,8 +135,8 @@ mod tests {
                 found += 1;
             }
         }
-        // All but the last column and row, whose pixels around are not all there.
-        assert!(found > 95 * 53 * 99 / 100, "{found}");
+        // All but those at the edges, whose pixels around are not all there, and some beside outlines.
+        assert!(found > 95 * 53 * 97 / 100, "{found}");
 
         // Later most of them are seen, elsewhere, and at the depth that is seen there.
         let later = view(0.302);

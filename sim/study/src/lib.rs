@@ -46,5 +46,5 @@ pub use supersample::supersampled;
 pub use sweep::{
     DensityAt, Drawn, GazeAt, Resolution, SWEEP_COLUMNS, Sweep, SweepDisplay, SweepEye, SweepRow,
 };
-pub use temporal::{FrameSource, TemporalQuality, TemporalRing, TemporalStudy};
+pub use temporal::{FrameSource, PlaceSource, TemporalQuality, TemporalRing, TemporalStudy};
 pub use tracks::Tracks;

@@ -92,8 +92,9 @@ impl Places {
             if weight > 0.0 && shows(before.nearest[at], inverse_w) {
                 found.weight += weight;
                 found.length += weight * before.length[at];
-                for c in 0..3 {
-                    found.difference[c] += weight * (before.rgb[at][c] - new[c]);
+                let colour = before.rgb[at];
+                for (c, difference) in found.difference.iter_mut().enumerate() {
+                    *difference += weight * (colour[c] - new[c]);
                 }
             }
         }

@@ -16,7 +16,7 @@ use foveasim::models::foveation::{Method, Request};
 use foveasim::models::{
     Acuity, Eye, GazeDirection, Msaa, Pose, SamplePlan, View, Viewport, Visibility,
 };
-use foveasim::render::{Clamp, RenderOptions, Sequence, TemporalOptions, render};
+use foveasim::render::{RenderOptions, Sequence, TemporalOptions, render};
 use glam::{DQuat, DVec3, UVec2};
 
 const SIZE: UVec2 = UVec2::new(3840, 2160);
@@ -119,11 +119,8 @@ fn measure((name, method, msaa, follows): (&str, &str, Msaa, bool)) -> bool {
     let (plan, options) = (plan(method, msaa), RenderOptions::default());
     let frame = if follows {
         let mut sequence = Sequence::new(TemporalOptions {
-            jitter: true,
-            reproject: true,
             staggered: true,
-            blend: 0.8,
-            clamp: Clamp::Neighbourhood,
+            ..TemporalOptions::default()
         });
         let mut draw = |k| sequence.draw(&scene, &view(k), &plan, k, &options);
         (0..3).map(&mut draw).last().expect("three frames")

@@ -58,6 +58,7 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
         for name in [
             "antialiasing.csv",
             "antialiasing-flicker.svg",
+            "antialiasing-pixels.svg",
             "antialiasing-ssim.svg",
         ] {
             outputs.retire(name);

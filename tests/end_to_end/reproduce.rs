@@ -10,6 +10,7 @@ fn guenter_2012_in_small() {
     let names = scratch.names("g");
     for name in [
         "antialiasing-flicker.svg",
+        "antialiasing-pixels.svg",
         "antialiasing-ssim.svg",
         "antialiasing.csv",
         "fig10-11.csv",

@@ -2,7 +2,7 @@
 //! by ring of eccentricity; and how much of the difference flickers from frame to frame.
 //!
 //! [`compare()`] does all of it for two rendered images; [`ssim()`] and [`mse`] work on raw [`Plane`]s;
-//! [`Flicker`] takes a sequence of them frame by frame.
+//! [`Flicker`] takes a sequence of them frame by frame, [`FollowedFlicker`] the same at points that move.
 //! Everything is measured on 8-bit sRGB code values (peak 255), as the image-quality literature does,
 //! and everything is a pure function: no result depends on the number of threads.
 //!
@@ -14,6 +14,7 @@
 mod compare;
 mod error;
 mod flicker;
+mod followed;
 mod plane;
 mod psnr;
 mod rings;
@@ -22,6 +23,7 @@ mod ssim;
 pub use compare::{Comparison, Measures, compare};
 pub use error::QualityError;
 pub use flicker::{Flicker, FlickerMap, RingFlicker};
+pub use followed::{FollowedFlicker, FollowedMap};
 pub use plane::Plane;
 pub use psnr::{PEAK, mse, psnr_db};
 pub use rings::{RingQuality, Rings};

@@ -63,5 +63,5 @@ pub use error::RenderError;
 pub use frame::{Frame, render, render_into};
 pub use options::{RenderOptions, Simd, Skip};
 pub use pass::{Surfel, visibility, visibility_at};
-pub use temporal::{Clamp, Sequence, TemporalOptions, jitter};
+pub use temporal::{Clamp, Interpolation, Sequence, TemporalOptions, jitter};
 pub use trace::trace;

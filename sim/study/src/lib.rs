@@ -19,6 +19,7 @@ mod scenario;
 mod supersample;
 mod sweep;
 mod temporal;
+mod tracks;
 
 pub use frame::{Drawing, FrameError, FrameOutcome, FrameStudy, Shot, Sight};
 pub use latency::{
@@ -45,4 +46,5 @@ pub use supersample::supersampled;
 pub use sweep::{
     DensityAt, Drawn, GazeAt, Resolution, SWEEP_COLUMNS, Sweep, SweepDisplay, SweepEye, SweepRow,
 };
-pub use temporal::{FrameSource, TemporalQuality, TemporalRing, TemporalStudy};
+pub use temporal::{FrameSource, PlaceSource, TemporalQuality, TemporalRing, TemporalStudy};
+pub use tracks::Tracks;

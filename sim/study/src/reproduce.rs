@@ -319,8 +319,9 @@ impl Guenter2012Outcome {
             ("fig13-b", foveated.svg()),
         ];
         if !self.antialiasing.is_empty() {
-            let [flicker, likeness] = TemporalQuality::charts(&self.antialiasing);
-            charts.push(("antialiasing-flicker", flicker.svg()));
+            let [followed, flicker, likeness] = TemporalQuality::charts(&self.antialiasing);
+            charts.push(("antialiasing-flicker", followed.svg()));
+            charts.push(("antialiasing-pixels", flicker.svg()));
             charts.push(("antialiasing-ssim", likeness.svg()));
         }
         charts

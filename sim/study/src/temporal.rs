@@ -3,13 +3,18 @@ use std::ops::Range;
 use foveasim_models::math::mean;
 use foveasim_models::{Image, Viewport};
 use foveasim_quality::{
-    Flicker, FlickerMap, Measures, QualityError, RingFlicker, RingQuality, Rings, compare,
+    Flicker, FlickerMap, FollowedFlicker, FollowedMap, Measures, QualityError, RingFlicker,
+    RingQuality, Rings, compare,
 };
 use foveasim_reports::{Cell, LineChart, LineSeries, Table};
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 
 /// A source of consecutive frames: asked for one frame after the other, in order.
 pub type FrameSource<'a, E> = Box<dyn FnMut(u64) -> Result<Image, E> + 'a>;
+
+/// Tells where in a frame the points are seen that are followed, as [`Tracks`](crate::Tracks) does: one
+/// for each pixel of the frame in the middle of those that are judged \[px\], `None` where it is not seen.
+pub type PlaceSource<'a, E> = dyn FnMut(u64) -> Result<Vec<Option<DVec2>>, E> + 'a;
 
 /// Consecutive frames of one view, by any number of ways to draw them, judged against a reference
 /// sequence: how like it each frame is, and how much of the difference flickers.
@@ -38,6 +43,8 @@ pub struct TemporalQuality {
     pub psnr_db: f64,
     /// Flicker of every pixel.
     pub flicker: FlickerMap,
+    /// Flicker of what the pixels of the middle frame show, followed along its motion.
+    pub followed: FollowedMap,
     /// By ring.
     pub rings: Vec<TemporalRing>,
 }
@@ -47,6 +54,8 @@ pub struct TemporalQuality {
 pub struct TemporalRing {
     /// Its flicker.
     pub flicker: RingFlicker,
+    /// Mean flicker of what is followed \[grey levels\]; `None` if nothing is.
+    pub followed: Option<f64>,
     /// Mean SSIM of the frames there; `None` if no pixel lies in it.
     pub ssim: Option<f64>,
 }
@@ -54,13 +63,14 @@ pub struct TemporalRing {
 /// What is gathered of one source.
 struct Gathered {
     flicker: Flicker,
+    followed: FollowedFlicker,
     measures: Vec<Measures>,
     rings: Vec<Vec<RingQuality>>,
 }
 
 impl TemporalStudy {
-    /// Judges every source. The reference is asked for each judged frame once; a source is asked for
-    /// `warm_up` frames more before them. `done` hears of each judged frame.
+    /// Judges every source. The reference and the places are asked for each judged frame once; a source
+    /// is asked for `warm_up` frames more before them. `done` hears of each judged frame.
     ///
     /// # Errors
     /// Those of the sources; also if an image does not have the viewport's pixels, or there are no
@@ -68,6 +78,7 @@ impl TemporalStudy {
     pub fn run<E: From<QualityError>>(
         &self,
         reference: &mut dyn FnMut(u64) -> Result<Image, E>,
+        places: &mut PlaceSource<'_, E>,
         sources: &mut [(String, FrameSource<'_, E>)],
         done: &mut dyn FnMut(),
     ) -> Result<Vec<TemporalQuality>, E> {
@@ -79,6 +90,7 @@ impl TemporalStudy {
         let start = |_: &(String, _)| {
             Ok(Gathered {
                 flicker: Flicker::new(self.viewport.size)?,
+                followed: FollowedFlicker::new(self.viewport.size)?,
                 measures: Vec::new(),
                 rings: Vec::new(),
             })
@@ -86,6 +98,7 @@ impl TemporalStudy {
         let mut all: Vec<Gathered> = sources.iter().map(start).collect::<Result<_, E>>()?;
         for frame in self.frames.clone() {
             let truth = reference(frame)?;
+            let places = places(frame)?;
             for ((_, source), gathered) in sources.iter_mut().zip(&mut all) {
                 let comparison = compare(&source(frame)?, &truth)?;
                 let rings = comparison.rings(&self.viewport, self.gaze, &self.rings)?;
@@ -93,6 +106,9 @@ impl TemporalStudy {
                 gathered
                     .flicker
                     .push(&comparison.image, &comparison.reference)?;
+                gathered
+                    .followed
+                    .push(&comparison.image, &comparison.reference, &places)?;
                 gathered.measures.push(comparison.whole);
             }
             done();
@@ -105,11 +121,17 @@ impl TemporalStudy {
     fn judge(&self, name: String, gathered: Gathered) -> Result<TemporalQuality, QualityError> {
         let flicker = gathered.flicker.finish()?;
         let rings = flicker.rings(&self.viewport, self.gaze, &self.rings)?;
+        let followed = gathered.followed.finish()?;
+        let followed_rings = followed.rings(&self.viewport, self.gaze, &self.rings)?;
         let ring = |(k, flicker): (usize, RingFlicker)| {
             let frames = gathered.rings.iter().filter_map(|rings| rings[k].ssim);
             let ssim: Vec<f64> = frames.collect();
             let ssim = (!ssim.is_empty()).then(|| mean(&ssim));
-            TemporalRing { flicker, ssim }
+            TemporalRing {
+                flicker,
+                followed: followed_rings[k],
+                ssim,
+            }
         };
         let of = |f: fn(&Measures) -> f64| {
             let values: Vec<f64> = gathered.measures.iter().map(f).collect();
@@ -121,6 +143,7 @@ impl TemporalStudy {
             psnr_db: foveasim_quality::psnr_db(of(|m| m.mse_luma)),
             rings: rings.into_iter().enumerate().map(ring).collect(),
             flicker,
+            followed,
         })
     }
 }
@@ -133,6 +156,7 @@ impl TemporalQuality {
             "from_deg",
             "to_deg",
             "pixels",
+            "followed_flicker_grey_levels",
             "flicker_grey_levels",
             "flicker_p99_grey_levels",
             "excess_change_grey_levels",
@@ -145,22 +169,25 @@ impl TemporalQuality {
                 Cell::Empty,
                 Cell::Empty,
                 q.flicker.flicker.values().len().into(),
+                q.followed.mean.into(),
                 q.flicker.mean.into(),
                 q.flicker.p99.into(),
                 q.flicker.mean_excess_change.into(),
                 q.ssim.into(),
                 q.psnr_db.into(),
             ]);
-            for TemporalRing { flicker: f, ssim } in &q.rings {
+            for ring in &q.rings {
+                let f = &ring.flicker;
                 table.push(vec![
                     q.name.as_str().into(),
                     f.from_deg.into(),
                     f.to_deg.into(),
                     f.pixels.into(),
+                    ring.followed.into(),
                     f.mean.into(),
                     f.p99.into(),
                     f.excess_change.into(),
-                    (*ssim).into(),
+                    ring.ssim.into(),
                     Cell::Empty,
                 ]);
             }
@@ -168,9 +195,9 @@ impl TemporalQuality {
         table
     }
 
-    /// Flicker, and SSIM, over eccentricity: one point for each ring that has pixels, at its middle
+    /// Flicker along the motion, at each pixel, and SSIM, over eccentricity: one point for each ring that has pixels, at its middle
     /// (the open one's at its inner edge).
-    pub fn charts(all: &[Self]) -> [LineChart; 2] {
+    pub fn charts(all: &[Self]) -> [LineChart; 3] {
         let chart = |title: &str, y_label: &str, value: fn(&TemporalRing) -> Option<f64>| {
             let series = all.iter().map(|q| LineSeries {
                 label: q.name.clone(),
@@ -189,9 +216,16 @@ impl TemporalQuality {
             }
         };
         [
-            chart("Flicker by eccentricity", "grey levels of 255", |r| {
-                r.flicker.mean
-            }),
+            chart(
+                "Flicker along the motion, by eccentricity",
+                "grey levels of 255",
+                |r| r.followed,
+            ),
+            chart(
+                "Change of each pixel's error, by eccentricity",
+                "grey levels of 255",
+                |r| r.flicker.mean,
+            ),
             chart("Likeness by eccentricity", "SSIM", |r| r.ssim),
         ]
     }
@@ -233,6 +267,12 @@ mod tests {
         }
     }
 
+    /// Nothing moves.
+    fn in_place(_: u64) -> Result<Vec<Option<DVec2>>, QualityError> {
+        let px = |i: u32| DVec2::new(f64::from(i % SIZE.x) + 0.5, f64::from(i / SIZE.x) + 0.5);
+        Ok((0..SIZE.x * SIZE.y).map(|i| Some(px(i))).collect())
+    }
+
     type Source<'a> = (String, FrameSource<'a, QualityError>);
 
     #[test]
@@ -261,7 +301,9 @@ mod tests {
         let mut sources = [same, flickers];
         let mut reference = |k| Ok(picture(|x, _| stripes(x, k)));
         let found = study()
-            .run(&mut reference, &mut sources, &mut || judged += 1)
+            .run(&mut reference, &mut in_place, &mut sources, &mut || {
+                judged += 1
+            })
             .unwrap();
         drop(sources);
         assert_eq!(asked, (7..18).collect::<Vec<u64>>());
@@ -270,7 +312,14 @@ mod tests {
             panic!("two sources")
         };
         assert_eq!((same.flicker.mean, same.ssim), (0.0, 1.0));
+        assert_eq!(same.followed.mean, Some(0.0));
         let ring = |k: usize| flickers.rings[k].flicker.mean.unwrap();
+        let followed = |k: usize| flickers.rings[k].followed.unwrap();
+        assert!(
+            followed(0) == 0.0 && followed(2) > 2.0,
+            "{:?}",
+            flickers.rings
+        );
         assert!(ring(0) == 0.0 && ring(2) > 2.0, "{:?}", flickers.rings);
         assert!((flickers.flicker.p99 - 6.0).abs() < 1e-9);
         assert!(flickers.ssim < 1.0 && flickers.rings[0].ssim > flickers.rings[2].ssim);
@@ -283,7 +332,7 @@ mod tests {
     fn errors_are_passed_on() {
         let mut none: [Source<'_>; 0] = [];
         let mut reference = |_| Err(QualityError::NoFrames);
-        let failed = study().run(&mut reference, &mut none, &mut || ());
+        let failed = study().run(&mut reference, &mut in_place, &mut none, &mut || ());
         assert_eq!(failed, Err(QualityError::NoFrames));
         let small: Source<'_> = (
             "small".into(),
@@ -292,7 +341,7 @@ mod tests {
         let mut reference = |_| Ok(picture(|_, _| 9.0));
         assert!(
             study()
-                .run(&mut reference, &mut [small], &mut || ())
+                .run(&mut reference, &mut in_place, &mut [small], &mut || ())
                 .is_err()
         );
     }

@@ -2,6 +2,7 @@
 
 mod attributes;
 mod blocks;
+mod cubic;
 mod dispatch;
 mod edge;
 mod environment;
@@ -23,9 +24,9 @@ mod visible;
 mod wide;
 
 pub(crate) use attributes::{Attributes, Details};
+pub(crate) use cubic::Centre;
 pub(crate) use dispatch::{Kernel, dispatch};
-pub(crate) use extremes::Extremes;
-pub(crate) use reproject::{Before, Past, ReprojectRow, Source, Warp};
+pub(crate) use reproject::{Before, ReprojectRow, ReprojectScratch, Source, Warp};
 pub(crate) use shade::{ShadeContext, ShadeTile};
 pub(crate) use triangles::SetUpEight;
 pub(crate) use vertices::{TransformVertices, VertexTransform};

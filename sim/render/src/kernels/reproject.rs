@@ -2,28 +2,18 @@ use foveasim_models::Work;
 use glam::UVec2;
 
 use super::Kernel;
+use super::cubic::Centre;
 use super::extremes::Extremes;
 use super::lanes::Simd;
-use super::place::{Found, Gathered};
+use super::place::{Found, Gathered, Places};
 
-/// By how much 1/w may differ, beyond what the surface's slope explains: what is nearer than this part
-/// of the distance behind another surface passes for it. Rounding and a level of detail that changed
-/// need far less.
-const DEPTH_TOLERANCE: f32 = 1.0 / 128.0;
+/// By what part 1/w may differ within a surface, from sample to sample and from what is expected of an
+/// earlier image: what is nearer than this part of the distance before another surface passes for it.
+/// Tighter, and grazing ground loses its history; only the clamp tells what is closer together.
+pub(super) const SAME_SURFACE: f32 = 1.0 / 8.0;
 /// Least share of the bilinear weights that must show the surface: the samples that are left are
 /// otherwise almost a whole sample away along both axes.
 const LEAST_WEIGHT: f32 = 1.0 / 16.0;
-
-/// What a sample of the history knows besides its colour.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub(crate) struct Past {
-    /// Frames that the colour is a mean of; 0 where nothing was drawn.
-    pub(crate) length: f32,
-    /// Middle of the 1/w around it [1/m].
-    pub(crate) inverse_w: f32,
-    /// How far from the middle the 1/w of a surface seen near it may lie [1/m].
-    pub(crate) reach: f32,
-}
 
 /// Where a point was: (x, y, 1) and 1/w of a sample give, row by row, x, y and 1 of the earlier
 /// lattice times the ratio of the earlier to the present w.
@@ -34,7 +24,10 @@ pub(crate) type Warp = [f32; 12];
 pub(crate) struct Before<'a> {
     pub(crate) size: UVec2,
     pub(crate) rgb: &'a [[f32; 3]],
-    pub(crate) past: &'a [Past],
+    /// Frames that each colour is a mean of; 0 where nothing was drawn.
+    pub(crate) length: &'a [f32],
+    /// 1/w of the surface that each sample follows \[1/m\]; NaN where nothing was drawn.
+    pub(crate) nearest: &'a [f32],
 }
 
 /// Where the history of a sample is.
@@ -53,7 +46,20 @@ pub(crate) enum Source<'a> {
         warp_of_instance: &'a [u32],
         /// Whether the history is pulled into the range of colours around the sample.
         clamp: bool,
+        /// Whether what lies between samples is found by Catmull-Rom interpolation; linear, if not.
+        cubic: bool,
+        /// How new samples are taken to the middles of their cells, if they are.
+        centre: Option<Centre>,
     },
+}
+
+/// Memory of a thread.
+#[derive(Debug, Default)]
+pub(crate) struct ReprojectScratch {
+    extremes: Extremes,
+    column: Vec<f32>,
+    /// The row's new colours, in the middles of their cells.
+    new: Vec<f32>,
 }
 
 /// Blends a row of new samples with their history. A new colour of NaN was not drawn.
@@ -68,10 +74,11 @@ pub(crate) struct ReprojectRow<'a> {
     pub(crate) source: Source<'a>,
     /// Most frames that a history counts for.
     pub(crate) longest: f32,
-    pub(crate) scratch: &'a mut Extremes,
-    /// The row's colours and their history.
+    pub(crate) scratch: &'a mut ReprojectScratch,
+    /// The row's colours, and what is remembered of them, as in [`Before`].
     pub(crate) out: &'a mut [[f32; 3]],
-    pub(crate) out_past: &'a mut [Past],
+    pub(crate) out_length: &'a mut [f32],
+    pub(crate) out_nearest: &'a mut [f32],
 }
 
 impl Kernel for ReprojectRow<'_> {
@@ -89,18 +96,26 @@ impl Kernel for ReprojectRow<'_> {
                 warps,
                 warp_of_instance,
                 clamp,
+                cubic,
+                centre,
             } => {
+                let around = rows(self.rgb, self.y, self.width);
                 if clamp {
-                    let [above, row, below] = rows(self.rgb, self.y, self.width);
-                    self.scratch.find::<3>(
-                        above.as_flattened(),
-                        row.as_flattened(),
-                        below.as_flattened(),
-                    );
+                    let [above, row, below] = around.map(|r| r.as_flattened());
+                    self.scratch.extremes.find::<3>(above, row, below);
+                }
+                let ReprojectScratch { column, new, .. } = &mut *self.scratch;
+                match centre {
+                    Some(centre) => centre.row(around, column, new),
+                    None => {
+                        new.clear();
+                        new.extend_from_slice(around[1].as_flattened());
+                    }
                 }
                 for start in (0..self.width).step_by(8) {
                     let warp = Gathered::new(simd, &self, start, warps, warp_of_instance);
-                    self.eight(simd, start, &warp, before, clamp, &mut work);
+                    let places = warp.places(simd, &self, start, before.size, cubic);
+                    self.eight(simd, start, &places, before, [clamp, cubic], &mut work);
                 }
             }
         }
@@ -116,21 +131,40 @@ fn rows<T>(all: &[T], y: usize, width: usize) -> [&[T]; 3] {
 }
 
 impl ReprojectRow<'_> {
-    /// Remembers which 1/w are seen around each sample.
+    /// Chooses the surface that each sample follows: the nearest of the 3×3 around, if that is another
+    /// one; else its own.
     ///
-    /// On a plane 1/w is linear over the lattice. A later sample may look for this surface from up to
-    /// two samples away along each axis: one to the neighbour that it is interpolated from, and one
-    /// between two jittered positions. The greatest and least 1/w of 3×3 samples differ by the change
-    /// over two samples, so their whole difference to either side of the middle covers that.
+    /// An outline lies between samples and moves with what is in front. Samples beside it, too, must
+    /// be looked for there: those of the background would find one another where the outline was, and
+    /// leave its blended colours behind (Karis 2014, "High-quality temporal supersampling").
     #[inline(always)]
     fn surfaces(&mut self) {
         let [above, row, below] = rows(self.inverse_w, self.y, self.width);
-        self.scratch.find::<1>(above, row, below);
-        let found = self.scratch.least.iter().zip(&self.scratch.greatest);
-        for (past, (&least, &greatest)) in self.out_past.iter_mut().zip(found) {
-            past.inverse_w = 0.5 * (least + greatest);
-            past.reach = greatest - least + DEPTH_TOLERANCE * past.inverse_w;
+        self.scratch.extremes.find::<1>(above, row, below);
+        let greatest = &self.scratch.extremes.greatest[..self.width];
+        let out = &mut self.out_nearest[..self.width];
+        for x in 0..self.width {
+            // Not a number, what was not drawn stays so.
+            let other = greatest[x] - row[x] > SAME_SURFACE * greatest[x];
+            out[x] = if other { greatest[x] } else { row[x] };
         }
+    }
+
+    /// The instance that the sample of column `x` follows.
+    #[inline(always)]
+    pub(super) fn instance_followed(&self, x: usize) -> u32 {
+        let depths = rows(self.inverse_w, self.y, self.width);
+        let instances = rows(self.instance, self.y, self.width);
+        let followed = self.out_nearest[x];
+        // Itself first.
+        if depths[1][x] == followed || followed.is_nan() {
+            return instances[1][x];
+        }
+        let columns = x.saturating_sub(1)..(x + 2).min(self.width);
+        let mut around = (0..3).flat_map(|k| columns.clone().map(move |x| (k, x)));
+        around
+            .find(|&(k, x)| depths[k][x] == followed)
+            .map_or(instances[1][x], |(k, x)| instances[k][x])
     }
 
     #[inline(always)]
@@ -151,11 +185,11 @@ impl ReprojectRow<'_> {
     fn in_place(&mut self, before: Before<'_>, work: &mut Work) {
         let first = self.y * self.width;
         let old = &before.rgb[first..first + self.width];
-        let past = &before.past[first..first + self.width];
+        let length = &before.length[first..first + self.width];
         for x in 0..self.width {
             let new = self.new_row()[x];
-            self.put(x, new, old[x], past[x].length);
-            work.samples_in_place += u64::from(past[x].length > 0.0 && !new[0].is_nan());
+            self.put(x, new, old[x], length[x]);
+            work.samples_in_place += u64::from(length[x] > 0.0 && !new[0].is_nan());
         }
     }
 
@@ -163,7 +197,7 @@ impl ReprojectRow<'_> {
     #[inline(always)]
     fn put(&mut self, x: usize, new: [f32; 3], old: [f32; 3], length: f32) {
         if new[0].is_nan() {
-            (self.out[x], self.out_past[x].length) = ([0.0; 3], 0.0);
+            (self.out[x], self.out_length[x]) = ([0.0; 3], 0.0);
             return;
         }
         let length = if length < self.longest {
@@ -174,7 +208,7 @@ impl ReprojectRow<'_> {
         let weight = length / (length + 1.0);
         // Where old and new agree the result is that very number, not one close to it.
         self.out[x] = std::array::from_fn(|c| new[c] + weight * (old[c] - new[c]));
-        self.out_past[x].length = length + 1.0;
+        self.out_length[x] = length + 1.0;
     }
 
     /// Blends the samples from column `start` on with what was seen of them before.
@@ -183,15 +217,15 @@ impl ReprojectRow<'_> {
         &mut self,
         simd: S,
         start: usize,
-        warp: &Gathered<S>,
+        places: &Places,
         before: Before<'_>,
-        clamp: bool,
+        [clamp, cubic]: [bool; 2],
         work: &mut Work,
     ) {
-        let places = warp.places(simd, self, start, before.size);
         for lane in 0..(self.width - start).min(8) {
             let x = start + lane;
-            let new = self.new_row()[x];
+            let new = &self.scratch.new[3 * x..3 * x + 3];
+            let new = [new[0], new[1], new[2]];
             if new[0].is_nan() {
                 self.put(x, new, new, 0.0);
                 continue;
@@ -199,7 +233,7 @@ impl ReprojectRow<'_> {
             work.samples_reprojected += 1;
             let found = match places.inside & (1 << lane) {
                 0 => Found::NOTHING,
-                _ => places.find(lane, before, new),
+                _ => places.find(simd, lane, before, new, cubic),
             };
             if found.weight < LEAST_WEIGHT {
                 work.history_rejected += 1;
@@ -208,12 +242,18 @@ impl ReprojectRow<'_> {
             }
             // Differences are averaged, so that equal colours give that very colour.
             let share = 1.0 / found.weight;
-            let mut old: [f32; 3] = std::array::from_fn(|c| new[c] + found.difference[c] * share);
+            let mut old: [f32; 3] = std::array::from_fn(
+                #[inline(always)]
+                |c| {
+                    let v = new[c] + found.difference[c] * share;
+                    if v < 0.0 { 0.0 } else { v }
+                },
+            );
             if clamp {
                 let mut clamped = false;
                 for (c, old) in old.iter_mut().enumerate() {
-                    let low = self.scratch.least[3 * x + c];
-                    let high = self.scratch.greatest[3 * x + c];
+                    let low = self.scratch.extremes.least[3 * x + c];
+                    let high = self.scratch.extremes.greatest[3 * x + c];
                     let v = if *old < low { low } else { *old };
                     let v = if v > high { high } else { v };
                     clamped |= v != *old;
@@ -221,7 +261,11 @@ impl ReprojectRow<'_> {
                 }
                 work.history_clamped += u64::from(clamped);
             }
-            self.put(x, new, old, found.length * share);
+            // What only some of the samples around show lies to one side of the place, and is the same
+            // for the next sample that comes into sight there: it must not grow old. So a length
+            // counts by the fourth power of their share.
+            let sure = found.weight * (found.weight * found.weight);
+            self.put(x, new, old, found.length * sure);
         }
     }
 }

@@ -4,7 +4,7 @@ use foveasim_assets::{Scene, Similarity, Sun};
 use foveasim_models::{Image, Pass, View};
 use glam::UVec2;
 
-use crate::kernels::{Before, Past};
+use crate::kernels::Before;
 
 /// The last image of a pass, and what it shows.
 #[derive(Debug, Clone)]
@@ -18,25 +18,35 @@ pub(super) struct History {
     /// Means over frames.
     pub(super) image: Image,
     /// What is known of each sample; empty without reprojection.
-    pub(super) past: Vec<Past>,
+    pub(super) past: Past,
     /// Memory for the next image.
     pub(super) spare: Spare,
+}
+
+/// What samples know besides their colours.
+#[derive(Debug, Clone, Default)]
+pub(super) struct Past {
+    /// Frames that each colour is a mean of; 0 where nothing was drawn.
+    pub(super) length: Vec<f32>,
+    /// 1/w of the surface that each sample follows \[1/m\]; NaN where nothing was drawn.
+    pub(super) nearest: Vec<f32>,
 }
 
 /// Memory of images that are no longer needed.
 #[derive(Debug, Clone, Default)]
 pub(super) struct Spare {
     pub(super) rgb: Vec<[f32; 3]>,
-    pub(super) past: Vec<Past>,
+    pub(super) past: Past,
 }
 
 impl Spare {
     /// Room for an image of `size`, whatever is in it.
-    pub(super) fn take(self, size: UVec2) -> (Image, Vec<Past>) {
+    pub(super) fn take(self, size: UVec2) -> (Image, Past) {
         let Self { mut rgb, mut past } = self;
         let samples = size.x as usize * size.y as usize;
         rgb.resize(samples, [0.0; 3]);
-        past.resize(samples, Past::default());
+        past.length.resize(samples, 0.0);
+        past.nearest.resize(samples, 0.0);
         (Image { size, rgb }, past)
     }
 }
@@ -46,7 +56,8 @@ impl History {
         Before {
             size: self.image.size,
             rgb: &self.image.rgb,
-            past: &self.past,
+            length: &self.past.length,
+            nearest: &self.past.nearest,
         }
     }
 }

@@ -14,5 +14,5 @@ mod reproject;
 mod sequence;
 
 pub use jitter::jitter;
-pub use options::{Clamp, TemporalOptions};
+pub use options::{Clamp, Interpolation, TemporalOptions};
 pub use sequence::Sequence;

@@ -18,6 +18,23 @@ pub struct TemporalOptions {
     pub blend: f32,
     /// What is done with a history that does not look like the sample's surroundings.
     pub clamp: Clamp,
+    /// How what lies between samples is found, in the history and in the new frame.
+    pub interpolation: Interpolation,
+}
+
+/// How what lies between samples is found, in the history and in the new frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+#[non_exhaustive]
+pub enum Interpolation {
+    /// Linear along both axes, in the history; new samples count where they were taken, as if that
+    /// were the middle of their cells. What the least hardware does, and Nehab et al. 2007. It blurs a
+    /// little more with every frame that a history goes through, and jitter shows as trembling.
+    Bilinear,
+    /// Catmull-Rom (cubic convolution, Keys 1981): of 4×4 samples of the history, and of 3×3 new samples
+    /// for the middle of the one that was taken beside it. Near outlines of the history, and at the
+    /// edges of a pass, the history is interpolated linearly.
+    #[default]
+    CatmullRom,
 }
 
 /// What is done with a history that does not look like the sample's surroundings.
@@ -37,14 +54,16 @@ pub enum Clamp {
 }
 
 impl Default for TemporalOptions {
-    /// Jitter and reprojection with at most four fifths of found history, clamped; every pass in every frame.
+    /// Jitter and reprojection with at most three quarters of found history, clamped; every pass in
+    /// every frame.
     fn default() -> Self {
         Self {
             jitter: true,
             reproject: true,
             staggered: false,
-            blend: 0.8,
+            blend: 0.75,
             clamp: Clamp::Neighbourhood,
+            interpolation: Interpolation::CatmullRom,
         }
     }
 }
@@ -60,6 +79,7 @@ impl TemporalOptions {
         staggered: false,
         blend: 0.0,
         clamp: Clamp::Off,
+        interpolation: Interpolation::CatmullRom,
     };
 
     pub(super) fn check(&self) -> Result<(), RenderError> {

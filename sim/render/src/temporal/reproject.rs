@@ -1,21 +1,24 @@
 use std::sync::Arc;
 
 use foveasim_models::{Pass, View, Work};
+use glam::DVec2;
 use rayon::prelude::*;
 
-use super::history::{History, Placed, Spare};
+use super::history::{History, Past, Placed, Spare};
 use super::motion::Motion;
-use super::{Clamp, TemporalOptions};
+use super::{Clamp, Interpolation, TemporalOptions};
 use crate::Simd;
-use crate::kernels::{Extremes, ReprojectRow, Source, dispatch};
+use crate::kernels::{Centre, ReprojectRow, ReprojectScratch, Source, dispatch};
 use crate::pass::PassSamples;
 
-/// Blends new samples of a pass with its history, if there is one, and gives what is to be kept.
+/// Blends new samples of a pass with its history, if there is one, and gives what is to be kept. The
+/// samples were taken `offset` beside the middles of their cells.
 ///
 /// Where nothing moved, no motion is computed and nothing is tested: what was seen is still there, so
 /// each sample is the plain mean of its cell.
 pub(super) fn reproject(
     samples: PassSamples,
+    offset: DVec2,
     now: (Pass, View, Arc<Placed>),
     before: Option<History>,
     options: &TemporalOptions,
@@ -46,6 +49,11 @@ pub(super) fn reproject(
                 &motion.warp_of_instance
             },
             clamp: options.clamp == Clamp::Neighbourhood,
+            cubic: options.interpolation == Interpolation::CatmullRom,
+            centre: match options.interpolation {
+                Interpolation::CatmullRom => Centre::of(offset),
+                Interpolation::Bilinear => None,
+            },
         },
     };
     let longest = options.longest(matches!(source, Source::InPlace(_)));
@@ -53,9 +61,11 @@ pub(super) fn reproject(
     let works: Vec<Work> = image
         .rgb
         .par_chunks_mut(width)
-        .zip(past.par_chunks_mut(width))
+        .zip(past.length.par_chunks_mut(width))
+        .zip(past.nearest.par_chunks_mut(width))
         .enumerate()
-        .map_init(Extremes::default, |scratch, (y, (out, out_past))| {
+        .map_init(ReprojectScratch::default, |scratch, (y, row)| {
+            let ((out, out_length), out_nearest) = row;
             let row = ReprojectRow {
                 y,
                 width,
@@ -66,7 +76,8 @@ pub(super) fn reproject(
                 longest,
                 scratch,
                 out,
-                out_past,
+                out_length,
+                out_nearest,
             };
             dispatch(simd, row)
         })
@@ -78,7 +89,7 @@ pub(super) fn reproject(
     // The buffers that the next frame writes: fresh memory would cost as much as the blending.
     let spare = Spare {
         rgb: samples.image.rgb,
-        past: before.map_or_else(Vec::new, |b| b.past),
+        past: before.map_or_else(Past::default, |b| b.past),
     };
     let history = History {
         pass,
@@ -174,7 +185,14 @@ mod tests {
         };
         let draw = |value, first: u32, view, before: Option<History>| {
             let now = (pass(first / 5), view, Arc::clone(&placed));
-            reproject(live(first, value), now, before, &options, Simd::Auto)
+            reproject(
+                live(first, value),
+                DVec2::ZERO,
+                now,
+                before,
+                &options,
+                Simd::Auto,
+            )
         };
         let (first, work) = draw(1.0, 10, at(0.0), None);
         assert_eq!(work, Work::default());
@@ -188,13 +206,14 @@ mod tests {
         assert_eq!(work.history_clamped, 0);
         for y in 0..20 {
             for x in 0..30 {
-                let (colour, past) = (second.image.at(x, y)[0], second.past[(30 * y + x) as usize]);
+                let length = second.past.length[(30 * y + x) as usize];
+                let colour = second.image.at(x, y)[0];
                 let expected = match x {
                     0..5 => (0.0, 0.0),
                     5..8 | 28.. => (1.0, 1.0),
                     _ => (1.0, 2.0),
                 };
-                assert_eq!((colour, past.length), expected, "({x}, {y})");
+                assert_eq!((colour, length), expected, "({x}, {y})");
             }
         }
         // In place, too: where there is no history the new colour stands alone.

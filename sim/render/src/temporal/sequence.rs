@@ -4,7 +4,7 @@ use foveasim_assets::Scene;
 use foveasim_models::{Image, Pass, SamplePlan, View, Work};
 use glam::{DVec2, UVec2};
 
-use super::history::{History, Placed, Spare};
+use super::history::{History, Past, Placed, Spare};
 use super::reproject::reproject;
 use super::{TemporalOptions, jitter};
 use crate::pass::PassSamples;
@@ -171,7 +171,14 @@ impl Sequence {
         };
         let now = (middle, *view, Arc::clone(placed));
         if self.options.reproject {
-            return reproject(samples, now, before, &self.options, options.simd);
+            return reproject(
+                samples,
+                pass.offset,
+                now,
+                before,
+                &self.options,
+                options.simd,
+            );
         }
         let PassSamples { image, .. } = samples;
         let (pass, view, placed) = now;
@@ -180,7 +187,7 @@ impl Sequence {
             view,
             placed,
             image,
-            past: Vec::new(),
+            past: Past::default(),
             spare: Spare::default(),
         };
         (history, Work::default())

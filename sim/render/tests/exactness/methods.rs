@@ -7,8 +7,8 @@ use foveasim_assets::{
 };
 use foveasim_models::{Cadence, Msaa, Pose, SamplePlan, View};
 use foveasim_render::{
-    Clamp, Frame, RenderOptions, Sequence, Simd, Skip, TemporalOptions, jitter, render,
-    visibility_at,
+    Clamp, Frame, Interpolation, RenderOptions, Sequence, Simd, Skip, TemporalOptions, jitter,
+    render, visibility_at,
 };
 use glam::{DQuat, DVec2, DVec3};
 
@@ -21,6 +21,7 @@ const ALL_ON: TemporalOptions = TemporalOptions {
     staggered: true,
     blend: 0.8,
     clamp: Clamp::Neighbourhood,
+    interpolation: Interpolation::CatmullRom,
 };
 
 /// Nothing else is skipped.

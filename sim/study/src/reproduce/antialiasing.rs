@@ -8,7 +8,7 @@ use foveasim_render::RenderOptions;
 use super::shooter::{Antialiasing, Flight, Shooter};
 use super::{ReproduceError, layers};
 use crate::temporal::FrameSource;
-use crate::{TemporalQuality, TemporalStudy, supersampled};
+use crate::{TemporalQuality, TemporalStudy, Tracks, supersampled};
 
 /// Samples along each side of a pixel of the reference.
 pub(super) const REFERENCE: u32 = 8;
@@ -52,7 +52,8 @@ pub(super) fn antialiasing(
 ) -> Result<Vec<TemporalQuality>, ReproduceError> {
     let method = flight.prepare(layers()?, Acuity::default())?;
     let range = FIRST..FIRST + u64::from(frames);
-    let middle = flight.gaze((FIRST + u64::from(frames / 2)) as u32);
+    let middle_frame = (FIRST + u64::from(frames / 2)) as u32;
+    let middle = flight.gaze(middle_frame);
     let study = TemporalStudy {
         viewport: flight.viewport,
         gaze: middle.vector(),
@@ -77,5 +78,7 @@ pub(super) fn antialiasing(
         let view = flight.view(frame as u32);
         Ok(supersampled(scene, &view, REFERENCE, &options)?)
     };
-    study.run(&mut reference, &mut sources, done)
+    let tracks = Tracks::new(scene, &flight.view(middle_frame), &options)?;
+    let mut places = |frame: u64| Ok(tracks.places(scene, &flight.view(frame as u32))?);
+    study.run(&mut reference, &mut places, &mut sources, done)
 }

@@ -3,13 +3,13 @@ use std::path::PathBuf;
 use clap::Subcommand;
 use foveasim_models::{Nanos, Provenance, Rate, Recording};
 use foveasim_reports::{Cell, Table};
-use foveasim_traces::{ReadOptions, Screen, SynthSpec};
+use foveasim_traces::{ReadOptions, ScreenSpec, SynthSpec};
 
 use super::{Context, Failure};
 
 /// Describe, convert and synthesise recordings of gaze and head pose.
 ///
-/// Formats are found by content: EyeNavGS, screen-centred TSV, TUM, and the CSV of docs/trace-format.md.
+/// Formats are found by content; docs/trace-format.md lists them.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   foveasim trace info recording.csv
@@ -122,13 +122,13 @@ struct Destination {
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "Reading")]
 pub(crate) struct ReadFlags {
-    /// Pixels of the screen of a screen-centred recording [default: 1920x1080]
+    /// Pixels of the screen on which gaze was recorded [default: of the file or the format]
     #[arg(long, value_name = "WxH", value_parser = sides)]
     pub(crate) screen_px: Option<[f64; 2]>,
-    /// Its size [mm] [default: 528x297]
+    /// Its size [mm] [default: of the file or the format]
     #[arg(long, value_name = "WxH", value_parser = sides)]
     pub(crate) screen_mm: Option<[f64; 2]>,
-    /// How far from it the eye was [mm] [default: 650]
+    /// How far from it the eye was [mm] [default: of the file or the format]
     #[arg(long, value_name = "D")]
     pub(crate) distance_mm: Option<f64>,
     /// Scene units per metre of an EyeNavGS recording [default: estimated]
@@ -144,12 +144,11 @@ pub(crate) struct ReadFlags {
 
 impl ReadFlags {
     pub(crate) fn options(&self) -> ReadOptions {
-        let default = Screen::default();
         ReadOptions {
-            screen: Screen {
-                size_px: self.screen_px.unwrap_or(default.size_px),
-                size_mm: self.screen_mm.unwrap_or(default.size_mm),
-                distance_mm: self.distance_mm.unwrap_or(default.distance_mm),
+            screen: ScreenSpec {
+                size_px: self.screen_px,
+                size_mm: self.screen_mm,
+                distance_mm: self.distance_mm,
             },
             scale: self.scale,
             segment: self.segment,

@@ -4,6 +4,7 @@ mod damage;
 mod eyenavgs;
 mod foveasim_csv;
 mod info;
+mod makers;
 mod properties;
 mod real;
 mod samples;

@@ -23,6 +23,7 @@
 mod check;
 mod edit;
 mod error;
+mod events;
 mod formats;
 mod info;
 mod labels;
@@ -35,6 +36,11 @@ mod write;
 pub use check::{require_gaze, require_pose};
 pub use edit::{rebase, resample, resample_recording, slice};
 pub use error::TraceError;
+pub use events::{
+    Agreement, Estimate, EventMethod, EventOptions, GazeEvent, GazeEvents, MainSequence,
+    OnsetError, SpeedLimits, agreement, find_events, main_sequence, target_agreement,
+    vendor_agreement,
+};
 pub use formats::Format;
 pub use info::{SeriesInfo, TraceInfo, info};
 pub use labels::{EventKind, LabelledEvent, Labels, TargetStep};

@@ -1,6 +1,7 @@
 //! Everything that reads, writes and makes recordings, as others use it.
 
 mod damage;
+mod events;
 mod eyenavgs;
 mod foveasim_csv;
 mod info;

@@ -8,7 +8,7 @@ use foveasim_traces::{ReadOptions, SeriesInfo, info, read_path, require_gaze, wr
 use crate::noted;
 
 #[expect(clippy::print_stderr, reason = "a test that is skipped says so")]
-fn find(name: &str) -> Option<PathBuf> {
+pub(crate) fn find(name: &str) -> Option<PathBuf> {
     let root = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
     let found = ["../../shared/data", "../shared/data"].map(|d| root.join(d).join(name));
     let path = found.into_iter().find(|p| p.exists());

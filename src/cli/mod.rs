@@ -14,6 +14,7 @@ mod reproduce;
 mod run;
 mod scene;
 mod trace;
+mod trace_events;
 
 use std::process::ExitCode;
 

@@ -5,7 +5,7 @@ use foveasim_models::{Nanos, Provenance, Rate, Recording};
 use foveasim_reports::{Cell, Table};
 use foveasim_traces::{ReadOptions, ScreenSpec, SynthSpec};
 
-use super::{Context, Failure};
+use super::{Context, Failure, trace_events};
 
 /// Describe, convert and synthesise recordings of gaze and head pose.
 ///
@@ -15,7 +15,8 @@ use super::{Context, Failure};
   foveasim trace info recording.csv
   foveasim trace info --format json *.tsv
   foveasim trace convert user116_playroom.csv --scale 2.7 --to head.csv
-  foveasim trace synth --duration 30s --to synthetic.csv")]
+  foveasim trace synth --duration 30s --to synthetic.csv
+  foveasim trace events recording.asc --out events")]
 pub(crate) struct Args {
     #[command(subcommand)]
     command: Command,
@@ -26,6 +27,7 @@ enum Command {
     Info(InfoArgs),
     Convert(ConvertArgs),
     Synth(SynthArgs),
+    Events(trace_events::Args),
 }
 
 /// Rate, jitter, gaps, losses, range and angular step of recordings, and what reading them took.
@@ -162,6 +164,7 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
         Command::Info(args) => info(args, ctx),
         Command::Convert(args) => convert(args, ctx),
         Command::Synth(args) => synth(args, ctx),
+        Command::Events(args) => trace_events::run(args, ctx),
     }
 }
 

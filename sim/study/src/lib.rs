@@ -2,12 +2,14 @@
 //!
 //! * [`Sweep`]: sample counts over displays, methods, acuity, gaze and margins;
 //! * [`LatencyStudy`]: gaze-to-photon time, simulated and bounded;
+//! * [`EventStudy`]: fixations, saccades and blinks of a recording;
 //! * [`replay()`]: a recording, frame by displayed frame;
 //! * [`FrameStudy`]: one frame by any method beside its reference;
 //! * [`TemporalStudy`]: consecutive frames beside a [`supersampled`] reference: what flickers;
 //! * [`Guenter2012`]: a paper's tables and figures, ours beside theirs;
 //! * [`Scenario`] and [`run()`]: all of it, in one report.
 
+mod events;
 mod frame;
 mod latency;
 mod numbers;
@@ -20,6 +22,7 @@ mod supersample;
 mod sweep;
 mod temporal;
 
+pub use events::EventStudy;
 pub use frame::{Drawing, FrameError, FrameOutcome, FrameStudy, Shot, Sight};
 pub use latency::{
     Band, Histogram, LatencyError, LatencyResult, LatencySample, LatencyStudy, MAX_RUNS,

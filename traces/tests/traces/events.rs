@@ -25,7 +25,8 @@ fn known(rate_hz: f64, noise: f64, saccades: usize) -> Known {
             .wrapping_add(1_442_695_040_888_963_407);
         noise * (2.0 * (state >> 11) as f64 / (1u64 << 53) as f64 - 1.0)
     };
-    let amplitude = |k: usize| (2.0 + (k * 7 % 16) as f64) * if k % 2 == 0 { 1.0 } else { -1.0 };
+    let amplitude =
+        |k: usize| (2.0 + (k * 7 % 16) as f64) * if k.is_multiple_of(2) { 1.0 } else { -1.0 };
     let onset = |k: usize| 0.3 * (k as f64 + 1.0);
     let length = |k: usize| 0.021 + 0.0022 * amplitude(k).abs();
     let blink = |k: usize| (k % 10 == 5).then(|| (onset(k) + 0.12, onset(k) + 0.24));

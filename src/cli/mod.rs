@@ -15,6 +15,7 @@ mod run;
 mod scene;
 mod trace;
 mod trace_events;
+mod trace_predict;
 
 use std::process::ExitCode;
 

@@ -5,9 +5,9 @@ use foveasim_models::{Nanos, Provenance, Rate, Recording};
 use foveasim_reports::{Cell, Table};
 use foveasim_traces::{ReadOptions, ScreenSpec, SynthSpec};
 
-use super::{Context, Failure, trace_events};
+use super::{Context, Failure, trace_events, trace_predict};
 
-/// Describe, convert and synthesise recordings of gaze and head pose.
+/// Describe, convert, synthesise and analyse recordings of gaze and head pose.
 ///
 /// Formats are found by content; docs/trace-format.md lists them.
 #[derive(Debug, clap::Args)]
@@ -16,7 +16,8 @@ use super::{Context, Failure, trace_events};
   foveasim trace info --format json *.tsv
   foveasim trace convert user116_playroom.csv --scale 2.7 --to head.csv
   foveasim trace synth --duration 30s --to synthetic.csv
-  foveasim trace events recording.asc --out events")]
+  foveasim trace events recording.asc --out events
+  foveasim trace predict user110_playroom.csv --scale 2.7")]
 pub(crate) struct Args {
     #[command(subcommand)]
     command: Command,
@@ -28,6 +29,7 @@ enum Command {
     Convert(ConvertArgs),
     Synth(SynthArgs),
     Events(trace_events::Args),
+    Predict(trace_predict::Args),
 }
 
 /// Rate, jitter, gaps, losses, range and angular step of recordings, and what reading them took.
@@ -165,6 +167,7 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
         Command::Convert(args) => convert(args, ctx),
         Command::Synth(args) => synth(args, ctx),
         Command::Events(args) => trace_events::run(args, ctx),
+        Command::Predict(args) => trace_predict::run(args, ctx),
     }
 }
 

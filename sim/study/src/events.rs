@@ -1,5 +1,5 @@
-use foveasim_models::Recording;
 use foveasim_models::math::quantile_sorted;
+use foveasim_models::{GazeSeries, Nanos, Recording};
 use foveasim_reports::{Cell, LineChart, LineSeries, Table};
 use foveasim_traces::{
     Agreement, Estimate, EventKind, EventOptions, GazeEvent, GazeEvents, Labels, MainSequence,
@@ -21,7 +21,7 @@ pub struct EventStudy {
     pub main_sequence: Option<MainSequence>,
     /// Agreement with each kind of label, and with targets.
     pub agreements: Vec<Agreement>,
-    /// From the first sample to the last \[min\].
+    /// How long was recorded, holes left out \[min\].
     minutes: f64,
     /// Time of the first sample \[s\].
     start_s: f64,
@@ -44,7 +44,7 @@ impl EventStudy {
         Ok(Self {
             main_sequence: main_sequence(&events),
             agreements,
-            minutes: (gaze.end() - gaze.start()).as_secs() / 60.0,
+            minutes: recorded_s(gaze) / 60.0,
             start_s: gaze.start().as_secs(),
             options: *options,
             events,
@@ -266,6 +266,13 @@ impl EventStudy {
             ..LineChart::default()
         }
     }
+}
+
+/// Time between samples, without holes of a second and more \[s\].
+fn recorded_s(gaze: &GazeSeries) -> f64 {
+    const HOLE: Nanos = Nanos(1_000_000_000);
+    let steps = gaze.samples().windows(2).map(|w| w[1].t - w[0].t);
+    steps.filter(|s| *s < HOLE).map(|s| s.0).sum::<i64>() as f64 * 1e-9
 }
 
 fn fitted(fit: &MainSequence, table: &mut Table) {

@@ -3,6 +3,7 @@
 //! * [`Sweep`]: sample counts over displays, methods, acuity, gaze and margins;
 //! * [`LatencyStudy`]: gaze-to-photon time, simulated and bounded;
 //! * [`EventStudy`]: fixations, saccades and blinks of a recording;
+//! * [`PredictionStudy`]: how well head pose is foreseen in a recording;
 //! * [`replay()`]: a recording, frame by displayed frame;
 //! * [`FrameStudy`]: one frame by any method beside its reference;
 //! * [`TemporalStudy`]: consecutive frames beside a [`supersampled`] reference: what flickers;
@@ -13,6 +14,7 @@ mod events;
 mod frame;
 mod latency;
 mod numbers;
+mod prediction;
 mod recording;
 mod replay;
 mod reproduce;
@@ -29,6 +31,7 @@ pub use latency::{
     QUANTITIES, Quantity, RunStart,
 };
 pub use numbers::parse_numbers;
+pub use prediction::{ErrorSpread, Prediction, PredictionRow, PredictionStudy};
 pub use recording::recording_table;
 pub use replay::{
     Difference, GazeState, Golden, REPLAY_COLUMNS, Replay, ReplayError, ReplayFrame, ReplayOptions,

@@ -1,5 +1,4 @@
-use foveasim_models::Nanos;
-use foveasim_models::math::{cos, sin, sqrt};
+use foveasim_models::{Nanos, exp_so3};
 use glam::{DQuat, DVec3};
 
 /// Holes longer than this are not integrated across: the head may have turned anywhere.
@@ -26,24 +25,12 @@ impl Gyroscope {
                 self.holes += 1;
             } else {
                 let turn = 0.5 * (before + rate) * step.as_secs();
-                self.orientation = (self.orientation * exponential(turn)).normalize();
+                self.orientation = (self.orientation * exp_so3(turn)).normalize();
             }
         }
         self.previous = Some((t, rate));
         self.orientation
     }
-}
-
-/// The rotation by a vector's length \[rad\] about it.
-fn exponential(v: DVec3) -> DQuat {
-    let angle = sqrt(v.length_squared());
-    // sin(x)/x is 1/2 to the last bit for what a half angle this small divides.
-    let s = if angle < 1e-9 {
-        0.5
-    } else {
-        sin(0.5 * angle) / angle
-    };
-    DQuat::from_xyzw(v.x * s, v.y * s, v.z * s, cos(0.5 * angle))
 }
 
 #[cfg(test)]
@@ -58,7 +45,7 @@ mod tests {
         for ms in 0..=1000 {
             q = gyroscope.turn(Nanos(ms * 1_000_000), rate);
         }
-        let want = exponential(rate);
+        let want = exp_so3(rate);
         assert!(q.angle_between(want) < 1e-7, "{q} {want}");
         assert_eq!(gyroscope.turn(Nanos(2_000_000_000), rate), q);
         assert_eq!(gyroscope.holes, 1);

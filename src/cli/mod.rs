@@ -16,6 +16,7 @@ mod scene;
 mod trace;
 mod trace_events;
 mod trace_predict;
+mod trace_scanlines;
 
 use std::process::ExitCode;
 

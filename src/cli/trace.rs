@@ -5,7 +5,7 @@ use foveasim_models::{Nanos, Provenance, Rate, Recording};
 use foveasim_reports::{Cell, Table};
 use foveasim_traces::{ReadOptions, ScreenSpec, SynthSpec};
 
-use super::{Context, Failure, trace_events, trace_predict};
+use super::{Context, Failure, trace_events, trace_predict, trace_scanlines};
 
 /// Describe, convert, synthesise and analyse recordings of gaze and head pose.
 ///
@@ -30,6 +30,7 @@ enum Command {
     Synth(SynthArgs),
     Events(trace_events::Args),
     Predict(trace_predict::Args),
+    Scanlines(trace_scanlines::Args),
 }
 
 /// Rate, jitter, gaps, losses, range and angular step of recordings, and what reading them took.
@@ -168,6 +169,7 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
         Command::Synth(args) => synth(args, ctx),
         Command::Events(args) => trace_events::run(args, ctx),
         Command::Predict(args) => trace_predict::run(args, ctx),
+        Command::Scanlines(args) => trace_scanlines::run(args, ctx),
     }
 }
 
@@ -213,6 +215,14 @@ fn synth(args: &SynthArgs, ctx: &Context) -> Result<(), Failure> {
     deliver(&recording, &args.to, ctx)
 }
 
+/// Adds the rows of a table of the same columns.
+pub(crate) fn append(all: &mut Option<Table>, table: Table) {
+    match all {
+        None => *all = Some(table),
+        Some(all) => table.rows().iter().for_each(|row| all.push(row.clone())),
+    }
+}
+
 /// Writes a recording to a file, or to standard output.
 fn deliver(recording: &Recording, to: &Destination, ctx: &Context) -> Result<(), Failure> {
     let mut bytes = Vec::new();
@@ -253,7 +263,7 @@ fn seconds_range(text: &str) -> Result<(Nanos, Nanos), String> {
     }
 }
 
-fn rate(text: &str) -> Result<Rate, String> {
+pub(crate) fn rate(text: &str) -> Result<Rate, String> {
     let hz = text
         .parse()
         .map_err(|_| "want a number of hertz, as in 300".to_owned())?;

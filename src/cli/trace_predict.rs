@@ -71,15 +71,6 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
     for (i, file) in args.files.iter().enumerate() {
         let recording = foveasim_traces::read_path(file, &args.read.options())?;
         let prediction = study.run(&recording)?;
-        let table = prediction.table();
-        match &mut all {
-            None => all = Some(table),
-            Some(all) => {
-                for row in table.rows() {
-                    all.push(row.clone());
-                }
-            }
-        }
         if let Some(outputs) = &mut outputs {
             let stem = file
                 .file_stem()
@@ -89,6 +80,7 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
             outputs.add(name("rotation"), prediction.rotation_chart().svg());
             outputs.add(name("translation"), prediction.translation_chart().svg());
         }
+        super::trace::append(&mut all, prediction.table());
     }
     let Some(table) = all else { return Ok(()) };
     if let Some(mut outputs) = outputs {

@@ -4,6 +4,7 @@
 //! * [`LatencyStudy`]: gaze-to-photon time, simulated and bounded;
 //! * [`EventStudy`]: fixations, saccades and blinks of a recording;
 //! * [`PredictionStudy`]: how well head pose is foreseen in a recording;
+//! * [`ScanlineStudy`]: how far the view is off, row by row;
 //! * [`replay()`]: a recording, frame by displayed frame;
 //! * [`FrameStudy`]: one frame by any method beside its reference;
 //! * [`TemporalStudy`]: consecutive frames beside a [`supersampled`] reference: what flickers;
@@ -19,6 +20,7 @@ mod recording;
 mod replay;
 mod reproduce;
 mod run;
+mod scanlines;
 mod scenario;
 mod supersample;
 mod sweep;
@@ -43,6 +45,7 @@ pub use reproduce::{
     Table1Cell, TimeFit, Times,
 };
 pub use run::{MOMENT_PICTURES, MethodSaving, Moment, PlanCost, Run, RunError, Savings, run};
+pub use scanlines::{ImageKind, ScanlineErrors, ScanlineStudy, Scanlines};
 pub use scenario::{
     GazeSource, MapGrid, RenderTime, Scenario, ScenarioError, ScenarioSpec, cost, display,
     read_text, tracker,

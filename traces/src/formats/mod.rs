@@ -13,6 +13,7 @@ mod head;
 mod layout;
 mod layouts;
 mod number;
+mod places;
 mod runs;
 mod segments;
 mod table;

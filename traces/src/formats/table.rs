@@ -9,16 +9,14 @@ use super::axes::unity_euler;
 use super::columns::Columns;
 use super::eyes::EyePair;
 use super::gyroscope::Gyroscope;
-use super::layout::{Layout, PoseColumns, Rotation, Target};
+use super::layout::{Layout, Rotation};
 use super::number::Row;
+use super::places::{EyePlaces, Places, PosePlaces, WIDE};
 use super::runs::Runs;
 use super::segments::choose;
 use super::{GAZE_ASSUMED, Head, POSE_ASSUMED, Parsed, count, in_order, no_rows, series};
 use crate::lines::Lines;
 use crate::{Labels, ReadOptions, Screen, TargetStep, TraceError};
-
-/// The most columns that a layout uses.
-const WIDE: usize = 24;
 
 /// Columns not used are listed up to this many, and counted beyond.
 const LISTED: usize = 12;
@@ -42,36 +40,6 @@ pub(super) fn parse<R: BufRead>(
         table.row(&row, &texts)?;
     }
     table.finish(options)
-}
-
-/// The names of the columns that a layout uses, each once; places among them stand for columns.
-struct Wanted {
-    names: [&'static str; WIDE],
-    used: usize,
-}
-
-impl Wanted {
-    fn place(&mut self, name: &'static str) -> usize {
-        let found = self.names[..self.used].iter().position(|n| *n == name);
-        found.unwrap_or_else(|| {
-            self.names[self.used] = name;
-            self.used += 1;
-            self.used - 1
-        })
-    }
-}
-
-/// An eye's columns, as places.
-struct EyePlaces {
-    coordinates: Vec<usize>,
-    valid: Option<usize>,
-}
-
-/// The head's columns, as places.
-struct PosePlaces {
-    position: Option<[usize; 3]>,
-    rotation: Vec<usize>,
-    rate: Option<[usize; 3]>,
 }
 
 struct Table<'a> {
@@ -109,33 +77,15 @@ impl<'a> Table<'a> {
         file: &'a str,
         options: &ReadOptions,
     ) -> Result<Self, TraceError> {
-        let mut wanted = Wanted {
-            names: [""; WIDE],
-            used: 0,
-        };
-        let time = wanted.place(layout.time.column);
-        let eyes: Vec<_> = layout
-            .eyes
-            .iter()
-            .map(|eye| EyePlaces {
-                coordinates: eye.columns.iter().map(|c| wanted.place(c)).collect(),
-                valid: eye.valid.as_ref().map(|v| wanted.place(v.column)),
-            })
-            .collect();
-        let pose = layout.pose.as_ref().map(|p| pose_places(p, &mut wanted));
-        let target = layout.target.as_ref().map(|Target { columns, none }| {
-            (
-                columns.map(|c| wanted.place(c)),
-                none.map(|(c, _)| wanted.place(c)),
-            )
-        });
-        let session = layout.session.map(|c| wanted.place(c));
-        let runs: Vec<_> = layout
-            .events
-            .iter()
-            .map(|(kind, column)| (wanted.place(column), Runs::new(*kind)))
-            .collect();
-        let names = wanted.names;
+        let Places {
+            names,
+            time,
+            eyes,
+            pose,
+            target,
+            session,
+            events,
+        } = Places::new(layout);
         let columns = Columns::new(file, &head.columns, names)?;
         let header = |what: String| TraceError::Header {
             file: file.to_owned(),
@@ -161,20 +111,12 @@ impl<'a> Table<'a> {
                 wants.join(", or ")
             )));
         }
-        if let Some(places) = &pose {
-            let all = places
-                .position
-                .into_iter()
-                .flatten()
-                .chain(places.rate.into_iter().flatten());
-            let needed: Vec<_> = match places.rate {
-                Some(_) => all.collect(),
-                None => all.chain(places.rotation.iter().copied()).collect(),
-            };
-            if let Some(i) = needed.into_iter().find(|&i| !columns.has(i)) {
-                return Err(header(format!("no column {}", names[i])));
-            }
+        let needed = pose.as_ref().map(PosePlaces::needed).unwrap_or_default();
+        if let Some(i) = needed.into_iter().find(|&i| !columns.has(i)) {
+            return Err(header(format!("no column {}", names[i])));
         }
+        let runs = layout.events.iter().zip(events);
+        let runs = runs.map(|((kind, _), place)| (place, Runs::new(*kind)));
         let present = |i: usize| eyes.get(i).is_some_and(Option::is_some);
         let glued = layout.glued.and_then(|[first, _]| {
             let name = |n: &&str| n.eq_ignore_ascii_case(first);
@@ -188,7 +130,7 @@ impl<'a> Table<'a> {
             screen: layout.coding.screen().map(|s| options.screen.or(s)),
             pair: EyePair::new([present(0), present(1)], layout.coding.of()),
             gyroscope: Gyroscope::default(),
-            runs: runs.into_iter().filter(|(i, _)| columns.has(*i)).collect(),
+            runs: runs.filter(|(i, _)| columns.has(*i)).collect(),
             previous: None,
             previous_session: String::new(),
             starts: vec![0],
@@ -517,20 +459,5 @@ impl<'a> Table<'a> {
             extra => notes.push(format!("{} not used", count(extra.len(), "column"))),
         }
         notes
-    }
-}
-
-fn pose_places(pose: &PoseColumns, wanted: &mut Wanted) -> PosePlaces {
-    let (rotation, rate): (&[&'static str], _) = match &pose.rotation {
-        Rotation::Quaternion(q) => (q, None),
-        Rotation::UnityEuler(e) => (e, None),
-        Rotation::Gyroscope {
-            quaternion, rate, ..
-        } => (quaternion, Some(rate)),
-    };
-    PosePlaces {
-        position: pose.position.map(|p| p.map(|c| wanted.place(c))),
-        rotation: rotation.iter().map(|c| wanted.place(c)).collect(),
-        rate: rate.map(|r| r.map(|c| wanted.place(c))),
     }
 }

@@ -143,14 +143,15 @@ impl ScanlineStudy {
         let period = self.refresh.tick(k + 1) - self.refresh.tick(k);
         let content = then.predict(start + Nanos(period.0 / 2))?;
         let mut squares: Squares = [[[0.0; ROWS]; ImageKind::ALL.len()]; 2];
+        let [turned, moved] = &mut squares;
         for row in 0..ROWS {
             let t = start + Nanos(period.0 * row as i64 / (ROWS as i64 - 1));
             let truth = poses.at(t, self.max_gap)?;
             let images = [plain, warped, then.predict(t)?, now.predict(t)?, content];
-            for (i, image) in images.into_iter().enumerate() {
+            for ((image, turned), moved) in images.iter().zip(&mut *turned).zip(&mut *moved) {
                 let deg = image.angle_to_deg(truth);
-                squares[0][i][row] = deg * deg;
-                squares[1][i][row] = 1e6 * (image.position - truth.position).length_squared();
+                turned[row] = deg * deg;
+                moved[row] = 1e6 * (image.position - truth.position).length_squared();
             }
         }
         Some(squares)

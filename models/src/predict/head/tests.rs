@@ -172,7 +172,7 @@ fn steady_motion_is_predicted_exactly() {
         let even = matches!(predictor, HeadPredictor::DoubleExponential(_));
         let mut t = Nanos::ZERO;
         for k in 0..300 {
-            t = t + Nanos::from_ms(if even {
+            t += Nanos::from_ms(if even {
                 10.0
             } else {
                 8.0 + f64::from(k * 5 % 9)

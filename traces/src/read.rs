@@ -9,9 +9,9 @@ use crate::formats::{self, Format, Parsed};
 use crate::lines::Lines;
 use crate::{Labels, ReadOptions, TraceError};
 
-/// Text that is unpacked from a compressed file at most \[bytes\]: a day of 1200 Hz has some 10 GB, and a
-/// few kilobytes can be made to unpack to anything.
-const UNPACKED_LIMIT: u64 = 1 << 34;
+/// Text that is unpacked from a compressed file at most \[bytes\]: an hour of 1200 Hz has some 0.3 GB, and a
+/// few megabytes can be made to unpack to anything.
+const UNPACKED_LIMIT: u64 = 1 << 32;
 
 /// What compressed files (gzip) begin with.
 const GZIP: [u8; 2] = [0x1f, 0x8b];
@@ -113,10 +113,52 @@ fn unpacked<T>(
         reason,
     })?;
     let text: Box<dyn BufRead + '_> = if start.starts_with(&GZIP) {
-        let text = MultiGzDecoder::new(reader).take(UNPACKED_LIMIT);
+        let text = Limited {
+            inner: MultiGzDecoder::new(reader),
+            left: UNPACKED_LIMIT,
+        };
         Box::new(BufReader::with_capacity(1 << 16, text))
     } else {
         Box::new(reader)
     };
     parse(&mut Lines::new(text, name))
+}
+
+/// A reader that fails, and does not end, where there is more than it may give.
+struct Limited<R> {
+    inner: R,
+    /// Bytes it may still give.
+    left: u64,
+}
+
+impl<R: Read> Read for Limited<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        let n = self.inner.read(buffer)?;
+        let over = || {
+            let limit = UNPACKED_LIMIT >> 30;
+            std::io::Error::other(format!("unpacks to more than {limit} GiB; unpack it first"))
+        };
+        self.left = self.left.checked_sub(n as u64).ok_or_else(over)?;
+        Ok(n)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn too_much_is_an_error_and_not_an_end() {
+        let read = |left| {
+            let mut all = Vec::new();
+            Limited {
+                inner: &b"12345"[..],
+                left,
+            }
+            .read_to_end(&mut all)
+            .map(|_| all)
+        };
+        assert_eq!(read(5).unwrap(), b"12345");
+        assert!(read(4).unwrap_err().to_string().contains("more than 4 GiB"));
+    }
 }

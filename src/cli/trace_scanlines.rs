@@ -19,7 +19,7 @@ pub(crate) struct Args {
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
     /// Frames per second [Hz]
-    #[arg(long, value_name = "HZ", default_value = "90", value_parser = super::trace::rate)]
+    #[arg(long, value_name = "HZ", default_value = "90", value_parser = refresh)]
     refresh: Rate,
     /// How head pose is predicted where it is
     #[arg(long, value_name = "NAME", default_value = "kalman")]
@@ -29,6 +29,19 @@ pub(crate) struct Args {
     max_gap: Nanos,
     #[command(flatten)]
     read: ReadFlags,
+}
+
+/// A display's frames per second.
+fn refresh(text: &str) -> Result<Rate, String> {
+    const FASTEST_HZ: f64 = 1000.0;
+    match text.parse() {
+        Ok(hz) if (1.0..=FASTEST_HZ).contains(&hz) => {
+            Rate::from_hz("refresh", hz).map_err(|e| e.to_string())
+        }
+        _ => Err(format!(
+            "want a number of hertz from 1 to {FASTEST_HZ}, as in 90"
+        )),
+    }
 }
 
 pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {

@@ -93,6 +93,32 @@ fn prediction_of_a_synthetic_head() {
         "{table:?}"
     );
     assert!(s.read("out/01_head_rotation.svg").contains("horizon [ms]"));
+    let words = [
+        "trace",
+        "scanlines",
+        "head.csv",
+        "--refresh",
+        "72",
+        "--format",
+        "csv",
+        "--out",
+        "rows",
+    ];
+    let table = rows(&s.ok(&words));
+    let last = |image: &str| {
+        let row = table
+            .iter()
+            .find(|r| r["image"] == image && r["row_share"] == "1");
+        number(row.unwrap_or_else(|| panic!("{image}")), "rotation_rms_deg")
+    };
+    assert!(
+        last("plain") > last("warped") && last("warped") > last("rolling"),
+        "{table:?}"
+    );
+    assert!(
+        s.read("rows/01_head_translation.svg")
+            .contains("share of the scan-out")
+    );
 }
 
 #[test]
@@ -122,6 +148,10 @@ fn what_cannot_be_done_is_said_in_one_line() {
         (
             &["trace", "predict", "t.csv", "--horizon-ms", "-5"],
             "--horizon-ms -5",
+        ),
+        (
+            &["trace", "scanlines", "t.csv", "--refresh", "0"],
+            "1 to 1000",
         ),
         (
             &["trace", "predict", "t.csv", "--horizon-ms", "0..1000:0.1"],

@@ -1,4 +1,4 @@
-use foveasim_models::math::{sqrt, sum};
+use foveasim_models::math::sqrt;
 use foveasim_models::{HeadPredictor, HeadTracker, Nanos, Pose, PoseSeries, Rate, Recording};
 use foveasim_reports::{Cell, LineChart, LineSeries, Table};
 use foveasim_traces::{TraceError, require_pose};
@@ -99,10 +99,12 @@ impl ScanlineStudy {
         };
         let (mut held, mut head) = (new(HeadPredictor::Constant), new(self.predictor));
         let mut next = 0;
-        let mut frames: Vec<Squares> = Vec::new();
+        let mut frames = 0;
+        let mut sums: Squares = [[[0.0; ROWS]; ImageKind::ALL.len()]; 2];
         // What was believed when the frame that is now scanned out began to be rendered.
         let mut rendered: Option<(Pose, HeadTracker)> = None;
-        for k in 0.. {
+        let mut k = 0;
+        loop {
             let now = poses.start() + self.refresh.tick(k);
             if now > poses.end() {
                 break;
@@ -118,14 +120,23 @@ impl ScanlineStudy {
                 .filter(|m| now - m.t <= self.max_gap)
                 .map(|m| m.pose);
             if let Some(((plain, then), known)) = rendered.as_ref().zip(known) {
-                frames.extend(self.frame(poses, k, *plain, known, then, &head));
+                let frame = self.frame(poses, k, *plain, known, then, &head);
+                frames += usize::from(frame.is_some());
+                add(&mut sums, &frame.unwrap_or_default());
             }
             rendered = known.map(|pose| (pose, head.clone()));
+            k += 1;
+            if rendered.is_none()
+                && let Some(sample) = poses.samples().get(next)
+            {
+                // A hole may be as long as a clock that was set.
+                k = k.max(self.refresh.first_at_or_after(sample.t - poses.start()));
+            }
         }
         Ok(Scanlines {
             source: recording.source.clone(),
-            frames: frames.len(),
-            errors: errors(&frames),
+            frames,
+            errors: errors(&sums, frames),
         })
     }
 
@@ -158,15 +169,19 @@ impl ScanlineStudy {
     }
 }
 
-fn errors(frames: &[Squares]) -> Vec<ScanlineErrors> {
-    let rms = |quantity: usize, kind: usize, row: usize| {
-        let squares: Vec<f64> = frames.iter().map(|f| f[quantity][kind][row]).collect();
-        sqrt(sum(&squares) / squares.len() as f64)
-    };
+fn add(sums: &mut Squares, frame: &Squares) {
+    let all = sums.as_flattened_mut().as_flattened_mut();
+    for (sum, square) in all.iter_mut().zip(frame.as_flattened().as_flattened()) {
+        *sum += square;
+    }
+}
+
+fn errors(sums: &Squares, frames: usize) -> Vec<ScanlineErrors> {
+    let rms = |sums: &[f64; ROWS]| sums.iter().map(|s| sqrt(s / frames as f64)).collect();
     let of = |(i, kind): (usize, ImageKind)| ScanlineErrors {
         kind,
-        rotation_deg: (0..ROWS).map(|row| rms(0, i, row)).collect(),
-        translation_mm: (0..ROWS).map(|row| rms(1, i, row)).collect(),
+        rotation_deg: rms(&sums[0][i]),
+        translation_mm: rms(&sums[1][i]),
     };
     ImageKind::ALL.into_iter().enumerate().map(of).collect()
 }
@@ -319,6 +334,32 @@ mod tests {
         // The content is right for the middle of the frame alone.
         let content = of(ImageKind::RollingWarpContent);
         assert!(content[last / 2] < 0.3 * content[last] && content[last / 2] < 0.3 * content[0]);
+    }
+
+    #[test]
+    fn a_clock_that_was_set_is_passed_over() {
+        let still = |t: i64| Sample {
+            t: Nanos(t),
+            value: Some(Pose::IDENTITY),
+        };
+        let second = |from: i64| (0..100).map(move |k| still(from + k * 10_000_000));
+        let samples = second(0).chain(second(4_000_000_000_000_000_000)).collect();
+        let recording = Recording {
+            pose: Some(Series::new(samples, Provenance::Truth).unwrap()),
+            ..Recording::default()
+        };
+        let study = ScanlineStudy {
+            refresh: Rate::from_hz("refresh", 90.0).unwrap(),
+            predictor: HeadPredictor::Constant,
+            max_gap: Nanos(100_000_000),
+        };
+        let out = study.run(&recording).unwrap();
+        assert!((170..=178).contains(&out.frames), "{}", out.frames);
+        assert!(
+            out.errors
+                .iter()
+                .all(|e| e.rotation_deg.iter().all(|deg| *deg == 0.0))
+        );
     }
 
     #[test]

@@ -71,6 +71,31 @@ impl Pose {
     }
 }
 
+/// The rotation by a vector's length \[rad\] about it: the exponential map of SO(3).
+pub fn exp_so3(v: DVec3) -> DQuat {
+    let angle = crate::math::sqrt(v.length_squared());
+    // sin(x/2)/x is 1/2 to the last bit for an angle this small.
+    let s = if angle < 1e-9 {
+        0.5
+    } else {
+        crate::math::sin(0.5 * angle) / angle
+    };
+    DQuat::from_xyzw(v.x * s, v.y * s, v.z * s, crate::math::cos(0.5 * angle))
+}
+
+/// The axis of a rotation, as long as its (shorter) angle \[rad\]: the logarithm of SO(3).
+pub fn log_so3(q: DQuat) -> DVec3 {
+    let q = if q.w < 0.0 { -q } else { q };
+    let axis = q.xyz();
+    let sine = crate::math::sqrt(axis.length_squared());
+    let scale = if sine < 1e-12 {
+        2.0
+    } else {
+        2.0 * crate::math::atan2(sine, q.w) / sine
+    };
+    axis * scale
+}
+
 /// A rectangle in pixels, edges at `min` and `max`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Rect {
@@ -115,6 +140,25 @@ mod tests {
         assert!((a.then(b).point(p) - a.point(b.point(p))).length() < 1e-15 * 16.0);
         assert!((a.inverse().point(a.point(p)) - p).length() < 1e-15 * 16.0);
         assert!((a.angle_to_deg(b) - b.angle_to_deg(a)).abs() < 1e-12);
+    }
+
+    #[test]
+    fn exponential_and_logarithm_undo_each_other() {
+        for v in [
+            DVec3::ZERO,
+            DVec3::new(1e-14, -2e-13, 0.0),
+            DVec3::new(0.3, -1.2, 0.4),
+            DVec3::new(0.0, 3.1, 0.1),
+        ] {
+            let q = exp_so3(v);
+            assert!((log_so3(q) - v).length() < 1e-14 * 8.0, "{v}");
+            assert!(
+                (log_so3(-q) - v).length() < 1e-14 * 8.0,
+                "both signs are one rotation"
+            );
+        }
+        let turned = exp_so3(DVec3::Y * 0.7);
+        assert!(turned.angle_between(DQuat::from_rotation_y(0.7)) < 1e-7);
     }
 
     #[test]

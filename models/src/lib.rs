@@ -51,12 +51,12 @@ pub use display::{
 };
 pub use error::{ModelError, closest, toml_error, unknown_name};
 pub use gaze::{GazeDirection, GazeMode};
-pub use geometry::{Pose, Rect};
+pub use geometry::{Pose, Rect, exp_so3, log_so3};
 pub use plan::{
     Affine, Cadence, CellMask, Feather, Lattice, Map, Msaa, Pass, PassCount, PlanCount, Region,
     Resolve, SamplePlan, Shading, ShadingRate, TileRates, Visibility,
 };
-pub use predict::PosePredictor;
+pub use predict::{HeadPredictor, HeadTracker, KalmanNoise, Motion, PosePredictor, Twist};
 pub use rng::{Role, Stream};
 pub use series::{
     GazeSeries, Interpolate, PoseSeries, Provenance, Recording, Sample, Series, SeriesError,

@@ -16,7 +16,8 @@ use crate::theme::{self, INK};
 pub struct LineSeries {
     /// Its name.
     pub label: String,
-    /// Points (x, y) by increasing x; a point that is not finite breaks the line.
+    /// Points (x, y) by increasing x; a point that is not finite breaks the line, and one alone between
+    /// two such is a dot.
     pub points: Vec<[f64; 2]>,
 }
 
@@ -110,11 +111,19 @@ impl LineChart {
                 }
                 for (i, series) in self.series.iter().enumerate() {
                     let style = stroke(theme::series(i), 1.8);
-                    for run in series.points.split(|p| !is_drawable(p)) {
+                    let runs = || series.points.split(|p| !is_drawable(p));
+                    // A series of lone points is a cloud, whose dots are all there is to see.
+                    let radius = if runs().all(|r| r.len() < 2) {
+                        2.2
+                    } else {
+                        1.25
+                    };
+                    for run in runs() {
                         match run {
                             // A lone point between gaps would be a line without length.
                             [only] => {
-                                let dot = Circle::new((only[0], only[1]), px(1.25), style.filled());
+                                let dot =
+                                    Circle::new((only[0], only[1]), px(radius), style.filled());
                                 chart.plotting_area().draw(&dot)?;
                             }
                             _ => {

@@ -14,6 +14,9 @@ mod reproduce;
 mod run;
 mod scene;
 mod trace;
+mod trace_events;
+mod trace_predict;
+mod trace_scanlines;
 
 use std::process::ExitCode;
 

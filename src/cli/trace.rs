@@ -3,19 +3,21 @@ use std::path::PathBuf;
 use clap::Subcommand;
 use foveasim_models::{Nanos, Provenance, Rate, Recording};
 use foveasim_reports::{Cell, Table};
-use foveasim_traces::{ReadOptions, Screen, SynthSpec};
+use foveasim_traces::{ReadOptions, ScreenSpec, SynthSpec};
 
-use super::{Context, Failure};
+use super::{Context, Failure, trace_events, trace_predict, trace_scanlines};
 
-/// Describe, convert and synthesise recordings of gaze and head pose.
+/// Describe, convert, synthesise and analyse recordings of gaze and head pose.
 ///
-/// Formats are found by content: EyeNavGS, screen-centred TSV, TUM, and the CSV of docs/trace-format.md.
+/// Formats are found by content; docs/trace-format.md lists them.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   foveasim trace info recording.csv
   foveasim trace info --format json *.tsv
   foveasim trace convert user116_playroom.csv --scale 2.7 --to head.csv
-  foveasim trace synth --duration 30s --to synthetic.csv")]
+  foveasim trace synth --duration 30s --to synthetic.csv
+  foveasim trace events recording.asc --out events
+  foveasim trace predict user110_playroom.csv --scale 2.7")]
 pub(crate) struct Args {
     #[command(subcommand)]
     command: Command,
@@ -26,6 +28,9 @@ enum Command {
     Info(InfoArgs),
     Convert(ConvertArgs),
     Synth(SynthArgs),
+    Events(trace_events::Args),
+    Predict(trace_predict::Args),
+    Scanlines(trace_scanlines::Args),
 }
 
 /// Rate, jitter, gaps, losses, range and angular step of recordings, and what reading them took.
@@ -122,13 +127,13 @@ struct Destination {
 #[derive(Debug, clap::Args)]
 #[command(next_help_heading = "Reading")]
 pub(crate) struct ReadFlags {
-    /// Pixels of the screen of a screen-centred recording [default: 1920x1080]
+    /// Pixels of the screen on which gaze was recorded [default: of the file or the format]
     #[arg(long, value_name = "WxH", value_parser = sides)]
     pub(crate) screen_px: Option<[f64; 2]>,
-    /// Its size [mm] [default: 528x297]
+    /// Its size [mm] [default: of the file or the format]
     #[arg(long, value_name = "WxH", value_parser = sides)]
     pub(crate) screen_mm: Option<[f64; 2]>,
-    /// How far from it the eye was [mm] [default: 650]
+    /// How far from it the eye was [mm] [default: of the file or the format]
     #[arg(long, value_name = "D")]
     pub(crate) distance_mm: Option<f64>,
     /// Scene units per metre of an EyeNavGS recording [default: estimated]
@@ -144,12 +149,11 @@ pub(crate) struct ReadFlags {
 
 impl ReadFlags {
     pub(crate) fn options(&self) -> ReadOptions {
-        let default = Screen::default();
         ReadOptions {
-            screen: Screen {
-                size_px: self.screen_px.unwrap_or(default.size_px),
-                size_mm: self.screen_mm.unwrap_or(default.size_mm),
-                distance_mm: self.distance_mm.unwrap_or(default.distance_mm),
+            screen: ScreenSpec {
+                size_px: self.screen_px,
+                size_mm: self.screen_mm,
+                distance_mm: self.distance_mm,
             },
             scale: self.scale,
             segment: self.segment,
@@ -163,6 +167,9 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
         Command::Info(args) => info(args, ctx),
         Command::Convert(args) => convert(args, ctx),
         Command::Synth(args) => synth(args, ctx),
+        Command::Events(args) => trace_events::run(args, ctx),
+        Command::Predict(args) => trace_predict::run(args, ctx),
+        Command::Scanlines(args) => trace_scanlines::run(args, ctx),
     }
 }
 
@@ -206,6 +213,14 @@ fn synth(args: &SynthArgs, ctx: &Context) -> Result<(), Failure> {
         head_sway_m: args.head_sway_m,
     })?;
     deliver(&recording, &args.to, ctx)
+}
+
+/// Adds the rows of a table of the same columns.
+pub(crate) fn append(all: &mut Option<Table>, table: Table) {
+    match all {
+        None => *all = Some(table),
+        Some(all) => table.rows().iter().for_each(|row| all.push(row.clone())),
+    }
 }
 
 /// Writes a recording to a file, or to standard output.

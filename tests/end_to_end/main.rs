@@ -4,6 +4,7 @@ mod bad_input;
 mod determinism;
 mod plan_and_latency;
 mod real_recordings;
+mod recordings;
 mod render;
 mod report;
 mod reproduce;

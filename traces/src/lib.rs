@@ -23,8 +23,10 @@
 mod check;
 mod edit;
 mod error;
+mod events;
 mod formats;
 mod info;
+mod labels;
 mod lines;
 mod options;
 mod read;
@@ -34,9 +36,15 @@ mod write;
 pub use check::{require_gaze, require_pose};
 pub use edit::{rebase, resample, resample_recording, slice};
 pub use error::TraceError;
+pub use events::{
+    Agreement, Estimate, EventMethod, EventOptions, GazeEvent, GazeEvents, MainSequence,
+    OnsetError, SpeedLimits, agreement, find_events, main_sequence, target_agreement,
+    vendor_agreement,
+};
 pub use formats::Format;
 pub use info::{SeriesInfo, TraceInfo, info};
-pub use options::{ReadOptions, Screen};
-pub use read::{detect, read, read_path};
+pub use labels::{EventKind, LabelledEvent, Labels, TargetStep};
+pub use options::{ReadOptions, Screen, ScreenSpec};
+pub use read::{detect, read, read_labelled, read_labelled_path, read_path};
 pub use synth::{SynthSpec, default_recording, synth, with_synthetic_gaze};
 pub use write::write;

@@ -1,13 +1,16 @@
-use foveasim_models::Provenance;
+use foveasim_models::{GazeDirection, Provenance};
+use glam::DVec3;
 
 use crate::TraceError;
 use crate::error::option_in;
 
 /// What a file does not say about itself; the defaults suit most files.
+/// What a file does not say about itself; the defaults suit most files.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ReadOptions {
-    /// The screen on which a screen-centred recording was made.
-    pub screen: Screen,
+    /// The screen on which gaze was recorded in pixels; what is absent is what the file says, or the
+    /// set-up of the format's published recordings, and noted.
+    pub screen: ScreenSpec,
     /// Scene units per metre of an EyeNavGS recording (its `scene_setting.csv` lists them: 2.7 for
     /// `playroom`); estimated from the distance between the eyes where absent, and noted.
     pub scale: Option<f64>,
@@ -19,10 +22,30 @@ pub struct ReadOptions {
     pub provenance: Option<Provenance>,
 }
 
-/// A screen and the eye before its centre.
-///
-/// The default is the set-up of the published screen-centred recordings that this reader was
-/// written for (ETDQualitizer's examples, Niehorster 2024): 1920×1080 px, 528×297 mm, 650 mm.
+/// What is known of a screen from elsewhere than the recording.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct ScreenSpec {
+    /// Width and height \[px\].
+    pub size_px: Option<[f64; 2]>,
+    /// Width and height \[mm\].
+    pub size_mm: Option<[f64; 2]>,
+    /// From the eye to the screen's centre \[mm\].
+    pub distance_mm: Option<f64>,
+}
+
+impl ScreenSpec {
+    /// This screen, with what is not known of it taken from `other`.
+    #[must_use]
+    pub fn or(self, other: Screen) -> Screen {
+        Screen {
+            size_px: self.size_px.unwrap_or(other.size_px),
+            size_mm: self.size_mm.unwrap_or(other.size_mm),
+            distance_mm: self.distance_mm.unwrap_or(other.distance_mm),
+        }
+    }
+}
+
+/// A screen and the eye before its centre, looking along its normal.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Screen {
     /// Width and height \[px\].
@@ -33,13 +56,17 @@ pub struct Screen {
     pub distance_mm: f64,
 }
 
-impl Default for Screen {
-    fn default() -> Self {
-        Self {
-            size_px: [1920.0, 1080.0],
-            size_mm: [528.0, 297.0],
-            distance_mm: 650.0,
-        }
+impl Screen {
+    /// The direction of a place on the screen \[mm from its centre, x right, y down\].
+    pub(crate) fn direction(&self, mm: [f64; 2]) -> GazeDirection {
+        GazeDirection::from_vector(DVec3::new(mm[0], -mm[1], -self.distance_mm))
+    }
+}
+
+impl std::fmt::Display for Screen {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        let ([px, py], [mx, my]) = (self.size_px, self.size_mm);
+        write!(f, "{px}x{py} px, {mx}x{my} mm at {} mm", self.distance_mm)
     }
 }
 
@@ -49,13 +76,15 @@ impl ReadOptions {
     /// # Errors
     /// If one is out of range; the error names it.
     pub fn validate(&self) -> Result<(), TraceError> {
-        for px in self.screen.size_px {
+        for px in self.screen.size_px.into_iter().flatten() {
             option_in("screen_px", px, 1.0..=1e6)?;
         }
-        for mm in self.screen.size_mm {
+        for mm in self.screen.size_mm.into_iter().flatten() {
             option_in("screen_mm", mm, 1.0..=1e5)?;
         }
-        option_in("distance_mm", self.screen.distance_mm, 1.0..=1e6)?;
+        if let Some(mm) = self.screen.distance_mm {
+            option_in("distance_mm", mm, 1.0..=1e6)?;
+        }
         if let Some(scale) = self.scale {
             option_in("scale", scale, 1e-6..=1e6)?;
         }

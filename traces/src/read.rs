@@ -1,18 +1,37 @@
 use std::fs::File;
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
+use flate2::bufread::MultiGzDecoder;
 use foveasim_models::Recording;
 
-use crate::formats::{self, Format};
+use crate::formats::{self, Format, Parsed};
 use crate::lines::Lines;
-use crate::{ReadOptions, TraceError};
+use crate::{Labels, ReadOptions, TraceError};
 
-/// Reads the recording in a file, whatever known format it has.
+/// Text that is unpacked from a compressed file at most \[bytes\]: an hour of 1200 Hz has some 0.3 GB, and a
+/// few megabytes can be made to unpack to anything.
+const UNPACKED_LIMIT: u64 = 1 << 32;
+
+/// What compressed files (gzip) begin with.
+const GZIP: [u8; 2] = [0x1f, 0x8b];
+
+/// Reads the recording in a file, whatever known format it has, gzip-compressed or not.
 ///
 /// # Errors
 /// If the file cannot be opened, has no known format, or its content is damaged: see [`TraceError`].
 pub fn read_path(path: &Path, options: &ReadOptions) -> Result<Recording, TraceError> {
+    read_labelled_path(path, options).map(|(recording, _)| recording)
+}
+
+/// As [`read_path`], with what the file says of its samples: events that others found, targets.
+///
+/// # Errors
+/// As [`read_path`].
+pub fn read_labelled_path(
+    path: &Path,
+    options: &ReadOptions,
+) -> Result<(Recording, Labels), TraceError> {
     let name = path.display().to_string();
     let open = || -> std::io::Result<File> {
         let file = File::open(path)?;
@@ -25,7 +44,7 @@ pub fn read_path(path: &Path, options: &ReadOptions) -> Result<Recording, TraceE
         file: name.clone(),
         reason,
     })?;
-    read(BufReader::with_capacity(1 << 16, file), &name, options)
+    read_labelled(BufReader::with_capacity(1 << 16, file), &name, options)
 }
 
 /// Reads a recording from anything; `name` stands for the file's in errors and in
@@ -38,21 +57,39 @@ pub fn read(
     name: &str,
     options: &ReadOptions,
 ) -> Result<Recording, TraceError> {
+    read_labelled(reader, name, options).map(|(recording, _)| recording)
+}
+
+/// As [`read`], with what the file says of its samples: events that others found, targets.
+///
+/// # Errors
+/// As [`read_path`].
+pub fn read_labelled(
+    reader: impl BufRead,
+    name: &str,
+    options: &ReadOptions,
+) -> Result<(Recording, Labels), TraceError> {
     options.validate()?;
-    let mut lines = Lines::new(reader, name);
-    let head = formats::Head::read(&mut lines)?;
-    let mut recording = head.format.parse(&head, &mut lines, options)?;
-    recording.source = name.to_owned();
-    recording.format = head.format.name().to_owned();
-    if let Some(provenance) = options.provenance {
-        recording.notes.push(match recording.gaze {
-            Some(_) => format!("gaze provenance as given: {provenance}"),
-            None => "the provenance given is one of gaze; there is none here to apply it to".into(),
-        });
-        recording.notes.retain(|n| n != formats::GAZE_ASSUMED);
-        recording.gaze = recording.gaze.map(|s| s.with_provenance(provenance));
-    }
-    Ok(recording)
+    unpacked(reader, name, |lines| {
+        let head = formats::Head::read(lines)?;
+        let Parsed {
+            mut recording,
+            labels,
+        } = head.format.parse(&head, lines, options)?;
+        recording.source = name.to_owned();
+        recording.format = head.format.name().to_owned();
+        if let Some(provenance) = options.provenance {
+            recording.notes.push(match recording.gaze {
+                Some(_) => format!("gaze provenance as given: {provenance}"),
+                None => {
+                    "the provenance given is one of gaze; there is none here to apply it to".into()
+                }
+            });
+            recording.notes.retain(|n| n != formats::GAZE_ASSUMED);
+            recording.gaze = recording.gaze.map(|s| s.with_provenance(provenance));
+        }
+        Ok((recording, labels))
+    })
 }
 
 /// Finds the format of a recording from its first lines.
@@ -60,5 +97,68 @@ pub fn read(
 /// # Errors
 /// If it is of no known format, or not text at all.
 pub fn detect(reader: impl BufRead, name: &str) -> Result<Format, TraceError> {
-    formats::Head::read(&mut Lines::new(reader, name)).map(|head| head.format)
+    unpacked(reader, name, |lines| {
+        formats::Head::read(lines).map(|head| head.format)
+    })
+}
+
+/// Calls `parse` with the lines of a text, which may be compressed.
+fn unpacked<T>(
+    mut reader: impl BufRead,
+    name: &str,
+    parse: impl FnOnce(&mut Lines<'_, Box<dyn BufRead + '_>>) -> Result<T, TraceError>,
+) -> Result<T, TraceError> {
+    let start = reader.fill_buf().map_err(|reason| TraceError::Io {
+        file: name.to_owned(),
+        reason,
+    })?;
+    let text: Box<dyn BufRead + '_> = if start.starts_with(&GZIP) {
+        let text = Limited {
+            inner: MultiGzDecoder::new(reader),
+            left: UNPACKED_LIMIT,
+        };
+        Box::new(BufReader::with_capacity(1 << 16, text))
+    } else {
+        Box::new(reader)
+    };
+    parse(&mut Lines::new(text, name))
+}
+
+/// A reader that fails, and does not end, where there is more than it may give.
+struct Limited<R> {
+    inner: R,
+    /// Bytes it may still give.
+    left: u64,
+}
+
+impl<R: Read> Read for Limited<R> {
+    fn read(&mut self, buffer: &mut [u8]) -> std::io::Result<usize> {
+        let n = self.inner.read(buffer)?;
+        let over = || {
+            let limit = UNPACKED_LIMIT >> 30;
+            std::io::Error::other(format!("unpacks to more than {limit} GiB; unpack it first"))
+        };
+        self.left = self.left.checked_sub(n as u64).ok_or_else(over)?;
+        Ok(n)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn too_much_is_an_error_and_not_an_end() {
+        let read = |left| {
+            let mut all = Vec::new();
+            Limited {
+                inner: &b"12345"[..],
+                left,
+            }
+            .read_to_end(&mut all)
+            .map(|_| all)
+        };
+        assert_eq!(read(5).unwrap(), b"12345");
+        assert!(read(4).unwrap_err().to_string().contains("more than 4 GiB"));
+    }
 }

@@ -2,31 +2,39 @@
 //!
 //! * [`Sweep`]: sample counts over displays, methods, acuity, gaze and margins;
 //! * [`LatencyStudy`]: gaze-to-photon time, simulated and bounded;
+//! * [`EventStudy`]: fixations, saccades and blinks of a recording;
+//! * [`PredictionStudy`]: how well head pose is foreseen in a recording;
+//! * [`ScanlineStudy`]: how far the view is off, row by row;
 //! * [`replay()`]: a recording, frame by displayed frame;
 //! * [`FrameStudy`]: one frame by any method beside its reference;
 //! * [`TemporalStudy`]: consecutive frames beside a [`supersampled`] reference: what flickers;
 //! * [`Guenter2012`]: a paper's tables and figures, ours beside theirs;
 //! * [`Scenario`] and [`run()`]: all of it, in one report.
 
+mod events;
 mod frame;
 mod latency;
 mod numbers;
+mod prediction;
 mod recording;
 mod replay;
 mod reproduce;
 mod run;
+mod scanlines;
 mod scenario;
 mod supersample;
 mod sweep;
 mod temporal;
 mod tracks;
 
+pub use events::EventStudy;
 pub use frame::{Drawing, FrameError, FrameOutcome, FrameStudy, Shot, Sight};
 pub use latency::{
     Band, Histogram, LatencyError, LatencyResult, LatencySample, LatencyStudy, MAX_RUNS,
     QUANTITIES, Quantity, RunStart,
 };
 pub use numbers::parse_numbers;
+pub use prediction::{ErrorSpread, Prediction, PredictionRow, PredictionStudy};
 pub use recording::recording_table;
 pub use replay::{
     Difference, GazeState, Golden, REPLAY_COLUMNS, Replay, ReplayError, ReplayFrame, ReplayOptions,
@@ -38,6 +46,7 @@ pub use reproduce::{
     Table1Cell, TimeFit, Times,
 };
 pub use run::{MOMENT_PICTURES, MethodSaving, Moment, PlanCost, Run, RunError, Savings, run};
+pub use scanlines::{ImageKind, ScanlineErrors, ScanlineStudy, Scanlines};
 pub use scenario::{
     GazeSource, MapGrid, RenderTime, Scenario, ScenarioError, ScenarioSpec, cost, display,
     read_text, tracker,

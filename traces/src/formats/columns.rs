@@ -13,6 +13,11 @@ fn separator(header: &str) -> char {
         .unwrap_or(',')
 }
 
+/// Whether a column that is wanted as `a` or `a|b` has this name.
+pub(crate) fn called(wanted: &str, name: &str) -> bool {
+    wanted.split('|').any(|w| w.eq_ignore_ascii_case(name))
+}
+
 fn unquoted(field: &str) -> &str {
     let field = field.trim();
     field
@@ -23,8 +28,8 @@ fn unquoted(field: &str) -> &str {
 
 /// Where the `N` columns that a reader wants stand in each row.
 ///
-/// Columns are matched by name, in any order and letter case; others are tolerated. Each row must have
-/// as many fields as the header.
+/// Columns are matched by name, in any order and letter case, `a|b` standing for either name; others are
+/// tolerated. Each row must have as many fields as the header.
 #[derive(Debug)]
 pub(crate) struct Columns<const N: usize> {
     separator: char,
@@ -47,7 +52,9 @@ impl<const N: usize> Columns<N> {
             extra: Vec::new(),
         };
         for name in names(header) {
-            let slot = wanted.iter().position(|w| w.eq_ignore_ascii_case(name));
+            // An empty name is what a trailing separator leaves, or a slot that is not used.
+            let is = |w: &&str| !name.is_empty() && called(w, name);
+            let slot = wanted.iter().position(is);
             match slot {
                 Some(i) if columns.present[i] => {
                     let what = format!("column `{name}` stands twice; each may stand once");
@@ -75,6 +82,11 @@ impl<const N: usize> Columns<N> {
     /// Names of columns that nobody asked for.
     pub(crate) fn extra(&self) -> &[String] {
         &self.extra
+    }
+
+    /// What stands between fields.
+    pub(crate) fn separator(&self) -> char {
+        self.separator
     }
 
     /// Where fields are not separated by commas, a comma may be the decimal sign.

@@ -1,10 +1,22 @@
-//! One file per format, behind one closed list.
+//! The formats that can be read, behind one closed list: delimited ones are data (`layouts`), which one
+//! reader (`table`) understands; the others have a file each.
 
+mod axes;
 mod columns;
+mod eyelink;
 mod eyenavgs;
+mod eyes;
 mod foveasim;
+mod glasses3;
+mod gyroscope;
+mod head;
+mod layout;
+mod layouts;
 mod number;
-mod screen;
+mod places;
+mod runs;
+mod segments;
+mod table;
 mod tum;
 
 use std::io::BufRead;
@@ -12,9 +24,10 @@ use std::io::BufRead;
 use foveasim_models::{Interpolate, Nanos, Provenance, Recording, Sample, Series};
 
 use crate::lines::Lines;
-use crate::{ReadOptions, TraceError};
+use crate::{Labels, ReadOptions, TraceError};
 
 pub(crate) use foveasim::{COLUMNS, MAGIC, NO_SAMPLE, VERSION};
+pub(crate) use head::Head;
 
 /// The note on gaze of which nobody said what it is. Readers give it instead of a provenance, and
 /// [`write`](crate::write) writes neither, so that an assumption does not become a statement.
@@ -24,6 +37,22 @@ pub(crate) const GAZE_ASSUMED: &str =
 pub(crate) const POSE_ASSUMED: &str =
     "head pose taken as the truth: the file does not say what delay or filter its samples have";
 
+/// What a file held.
+#[derive(Debug, Default)]
+pub(crate) struct Parsed {
+    pub(crate) recording: Recording,
+    pub(crate) labels: Labels,
+}
+
+impl From<Recording> for Parsed {
+    fn from(recording: Recording) -> Self {
+        Self {
+            recording,
+            labels: Labels::default(),
+        }
+    }
+}
+
 /// The formats that can be read.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Format {
@@ -31,6 +60,30 @@ pub enum Format {
     EyeNavGs,
     /// Tab-separated gaze in pixels from the centre of a screen (as in ETDQualitizer).
     ScreenCentred,
+    /// EyeLink's ASC: samples, events and messages.
+    EyeLink,
+    /// Raw output of Tobii's SDK for screen-based trackers, tab-separated.
+    TobiiSdk,
+    /// HTC Vive Pro Eye through SRanipal: gaze and helmet, separated by semicolons.
+    ViveProEye,
+    /// Pico Neo 3 Pro Eye, logged by Unity: gaze and head, separated by tabs.
+    PicoNeo3,
+    /// Pupil Invisible as exported by Pupil Cloud: gaze.csv or imu.csv.
+    PupilInvisible,
+    /// Tobii Pro Glasses 3: JSON lines of gaze or of the IMU.
+    Glasses3,
+    /// Salient360: gaze and camera of a headset, while a film or a still image was seen.
+    Salient360,
+    /// Project Aria: eye gaze.
+    AriaGaze,
+    /// Project Aria: trajectory of the device.
+    AriaTrajectory,
+    /// EuRoC: trajectory with nanoseconds and the quaternion's w first.
+    Euroc,
+    /// GazeBase and GazeBaseVR: gaze in degrees.
+    GazeBase,
+    /// JuDo1000: gaze in pixels from the top-left corner.
+    JuDo1000,
     /// TUM trajectory: `time x y z qx qy qz qw`, separated by spaces.
     Tum,
     /// Our own CSV; `docs/trace-format.md` describes it.
@@ -39,9 +92,21 @@ pub enum Format {
 
 impl Format {
     /// Every format.
-    pub const ALL: [Self; 4] = [
+    pub const ALL: [Self; 16] = [
         Self::EyeNavGs,
         Self::ScreenCentred,
+        Self::EyeLink,
+        Self::TobiiSdk,
+        Self::ViveProEye,
+        Self::PicoNeo3,
+        Self::PupilInvisible,
+        Self::Glasses3,
+        Self::Salient360,
+        Self::AriaGaze,
+        Self::AriaTrajectory,
+        Self::Euroc,
+        Self::GazeBase,
+        Self::JuDo1000,
         Self::Tum,
         Self::Foveasim,
     ];
@@ -51,19 +116,31 @@ impl Format {
         match self {
             Self::EyeNavGs => "eyenavgs",
             Self::ScreenCentred => "screen-centred",
+            Self::EyeLink => "eyelink",
+            Self::TobiiSdk => "tobii-sdk",
+            Self::ViveProEye => "vive-pro-eye",
+            Self::PicoNeo3 => "pico-neo3",
+            Self::PupilInvisible => "pupil-invisible",
+            Self::Glasses3 => "tobii-glasses3",
+            Self::Salient360 => "salient360",
+            Self::AriaGaze => "aria-gaze",
+            Self::AriaTrajectory => "aria-trajectory",
+            Self::Euroc => "euroc",
+            Self::GazeBase => "gazebase",
+            Self::JuDo1000 => "judo1000",
             Self::Tum => "tum",
             Self::Foveasim => "foveasim",
         }
     }
 
-    /// What its content is recognised by.
-    pub fn mark(self) -> &'static str {
-        match self {
-            Self::EyeNavGs => "columns ViewIndex, QuaternionX, GazeQX, Timestamp",
-            Self::ScreenCentred => "columns timestamp and left_x, left_y or right_x, right_y",
-            Self::Tum => "rows of 8 numbers separated by spaces",
-            Self::Foveasim => "first line `# foveasim-trace 1`, or a column t_ns",
-        }
+    /// Whether its first line names the columns, and is no data.
+    fn names_columns(self) -> bool {
+        !matches!(self, Self::Tum | Self::EyeLink | Self::Glasses3)
+    }
+
+    /// Whether a file may hold several sessions of which one is read.
+    fn has_segments(self) -> bool {
+        matches!(self, Self::EyeNavGs | Self::JuDo1000)
     }
 
     pub(crate) fn parse<R: BufRead>(
@@ -71,24 +148,39 @@ impl Format {
         head: &Head,
         lines: &mut Lines<'_, R>,
         options: &ReadOptions,
-    ) -> Result<Recording, TraceError> {
-        if self != Self::EyeNavGs && options.segment.is_some_and(|n| n != 1) {
-            let (file, wanted) = (lines.file().to_owned(), options.segment.unwrap_or(1));
+    ) -> Result<Parsed, TraceError> {
+        if let Some(wanted) = options.segment.filter(|n| *n != 1)
+            && !self.has_segments()
+        {
             return Err(TraceError::NoSuchSegment {
-                file,
+                file: lines.file().to_owned(),
                 wanted,
                 segments: 1,
             });
         }
         match self {
-            Self::EyeNavGs => eyenavgs::parse(head, lines, options),
-            Self::ScreenCentred => screen::parse(head, lines, options),
-            Self::Tum => tum::parse(lines),
-            Self::Foveasim => foveasim::parse(head, lines),
+            Self::EyeNavGs => eyenavgs::parse(head, lines, options).map(Parsed::from),
+            Self::ScreenCentred => table::parse(&layouts::SCREEN_CENTRED, head, lines, options),
+            Self::EyeLink => eyelink::parse(lines, options),
+            Self::Glasses3 => glasses3::parse(lines),
+            Self::Tum => tum::parse(lines).map(Parsed::from),
+            Self::Foveasim => foveasim::parse(head, lines).map(Parsed::from),
+            _ => {
+                let names = columns::names(&head.columns.1);
+                let layout = layout_of(&names).filter(|layout| layout.format == self);
+                let layout = layout.expect("the format was found by its layout's columns");
+                table::parse(layout, head, lines, options)
+            }
         }
     }
 
     fn of_line(first: &str) -> Option<Self> {
+        if glasses3::begins(first) {
+            return Some(Self::Glasses3);
+        }
+        if eyelink::begins(first) {
+            return Some(Self::EyeLink);
+        }
         let names = columns::names(first);
         let has = |name: &str| names.iter().any(|n| n.eq_ignore_ascii_case(name));
         if has("t_ns") {
@@ -104,6 +196,8 @@ impl Format {
                 .any(|n| has(n))
         {
             Some(Self::ScreenCentred)
+        } else if let Some(layout) = layout_of(&names) {
+            Some(layout.format)
         } else if first.split_ascii_whitespace().count() == tum::FIELDS
             && first
                 .split_ascii_whitespace()
@@ -116,83 +210,17 @@ impl Format {
     }
 }
 
+/// The first layout whose marks are all among these columns.
+fn layout_of(names: &[&str]) -> Option<&'static layout::Layout> {
+    let has = |mark: &&str| names.iter().any(|name| columns::called(mark, name));
+    layouts::LAYOUTS
+        .iter()
+        .find(|layout| layout.marks.iter().all(has))
+}
+
 impl std::fmt::Display for Format {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
         f.write_str(self.name())
-    }
-}
-
-/// What stands before the data: comments, and the line that names the columns.
-#[derive(Debug)]
-pub(crate) struct Head {
-    pub(crate) format: Format,
-    /// Comment lines without `#`, with their numbers.
-    pub(crate) comments: Vec<(usize, String)>,
-    /// The line of column names and its number; for TUM the first row, which will be read again.
-    pub(crate) columns: (usize, String),
-}
-
-impl Head {
-    /// Comment text kept at most \[bytes\]; more than that is no header.
-    const LIMIT: usize = 1 << 20;
-
-    pub(crate) fn read<R: BufRead>(lines: &mut Lines<'_, R>) -> Result<Self, TraceError> {
-        let file = lines.file().to_owned();
-        let mut comments: Vec<(usize, String)> = Vec::new();
-        let mut size = 0;
-        while let Some(line) = lines.next()? {
-            if let Some(comment) = line.text.strip_prefix('#') {
-                size += line.text.len();
-                if size > Self::LIMIT {
-                    return Err(unknown(&file, line.text));
-                }
-                comments.push((line.number, comment.trim().to_owned()));
-                continue;
-            }
-            let columns = (line.number, line.text.to_owned());
-            let own = comments.first().is_some_and(|(_, c)| c.starts_with(MAGIC));
-            let format = if own {
-                Some(Format::Foveasim)
-            } else {
-                Format::of_line(&columns.1)
-            };
-            let format = format.ok_or_else(|| unknown(&file, &columns.1))?;
-            if format == Format::Tum {
-                lines.push_back();
-            }
-            return Ok(Self {
-                format,
-                comments,
-                columns,
-            });
-        }
-        let what = if comments.is_empty() {
-            "the file is empty"
-        } else {
-            "comments alone"
-        };
-        Err(TraceError::NoSamples { file, what })
-    }
-}
-
-fn unknown(file: &str, line: &str) -> TraceError {
-    const SHOWN: usize = 60;
-    let mut seen: String = line
-        .chars()
-        .take(SHOWN)
-        .map(|c| if c.is_control() { ' ' } else { c })
-        .collect();
-    if line.chars().nth(SHOWN).is_some() {
-        seen.push('…');
-    }
-    let known: Vec<_> = Format::ALL
-        .iter()
-        .map(|f| format!("{f} ({})", f.mark()))
-        .collect();
-    TraceError::UnknownFormat {
-        file: file.to_owned(),
-        seen,
-        known: known.join("; "),
     }
 }
 

@@ -106,10 +106,35 @@ impl<'a> Row<'a> {
             let unit = match exponent {
                 0 => "s",
                 -3 => "ms",
+                -6 => "us",
+                -7 => "100 ns",
                 _ => "ns",
             };
             self.bad(field, text, format!("a time [{unit}] within ±4.6e18 ns"))
         })
+    }
+
+    /// A whole number of units of 10^`exponent` s since `epoch`, as a time since then: counts from the
+    /// year 1 are too large for nanoseconds, and for the digits of a float.
+    pub(crate) fn ticks(
+        &self,
+        field: &str,
+        text: &str,
+        exponent: i32,
+        epoch: i64,
+    ) -> Result<Nanos, TraceError> {
+        let units = 10i128.pow((exponent + 9).unsigned_abs());
+        let since = text
+            .parse::<i64>()
+            .ok()
+            .map(|n| (i128::from(n) - i128::from(epoch)) * units);
+        match since.filter(|ns| ns.abs() <= MAX_NANOS) {
+            Some(ns) => Ok(Nanos(ns as i64)),
+            None => {
+                let valid = format!("a whole number within 4.6e18 ns of {epoch}");
+                Err(self.bad(field, text, valid))
+            }
+        }
     }
 
     /// A unit quaternion kept with few decimals, x y z w; renormalised. `None` where its length is

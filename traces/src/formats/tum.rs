@@ -1,8 +1,8 @@
 use std::io::BufRead;
 
 use foveasim_models::{Pose, Provenance, Recording, Sample};
-use glam::{DQuat, DVec3};
 
+use super::axes::PoseFrame;
 use super::number::Row;
 use super::{POSE_ASSUMED, count, in_order, no_rows, series};
 use crate::TraceError;
@@ -21,13 +21,6 @@ const NAMES: [&str; FIELDS] = ["timestamp", "tx", "ty", "tz", "qx", "qy", "qz", 
 /// which is exact, the world by −90° about X.
 pub(super) fn parse<R: BufRead>(lines: &mut Lines<'_, R>) -> Result<Recording, TraceError> {
     let file = lines.file();
-    let camera_from_head = DQuat::from_xyzw(1.0, 0.0, 0.0, 0.0);
-    let ours_from_theirs = DQuat::from_xyzw(
-        -std::f64::consts::FRAC_1_SQRT_2,
-        0.0,
-        0.0,
-        std::f64::consts::FRAC_1_SQRT_2,
-    );
     let mut samples: Vec<Sample<Pose>> = Vec::new();
     let mut duplicates = 0;
     while let Some(line) = lines.next()? {
@@ -53,11 +46,9 @@ pub(super) fn parse<R: BufRead>(lines: &mut Lines<'_, R>) -> Result<Recording, T
         let [_, tx, ty, tz, qx, qy, qz, qw] = texts;
         let p = row.vector(["tx", "ty", "tz"], [tx, ty, tz])?;
         let q = row.quaternion(["qx", "qy", "qz", "qw"], [qx, qy, qz, qw])?;
-        let orientation = (ours_from_theirs * q * camera_from_head).normalize();
-        let pose = Pose::new(DVec3::new(p.x, p.z, -p.y), orientation);
         samples.push(Sample {
             t,
-            value: Some(pose),
+            value: Some(PoseFrame::CAMERA.pose(p, q)),
         });
     }
     if samples.is_empty() {

@@ -1,7 +1,7 @@
 //! What is no recording, or a damaged one: one error that names the file, the line and the value.
 
 use foveasim_traces::{
-    Format, ReadOptions, Screen, TraceError, detect, read, read_path, require_gaze,
+    Format, ReadOptions, ScreenSpec, TraceError, detect, read, read_path, require_gaze,
 };
 
 use crate::{error, parse};
@@ -16,14 +16,17 @@ fn not_a_recording() {
     assert!(error("# a\n# b\n").contains("comments alone"));
     assert!(error("t_ns,gaze_azimuth_deg,gaze_elevation_deg\n").contains("a header alone"));
     assert!(error("\u{feff}Scene_Name,Scale\ntruck,0.76\n").starts_with(
-        "f: not a recording in a known format (it begins `Scene_Name,Scale`); known: eyenavgs (columns"
+        "f: not a recording in a known format (it begins `Scene_Name,Scale`); known: eyenavgs, screen-centred, eyelink,"
     ));
     assert!(error("1 2 3 4 5 6 7\n").contains("not a recording in a known format"));
     assert!(error("1 2 3 4 5 6 7 x\n").contains("not a recording in a known format"));
     let binary = read(&b"\x1f\x8b\x08\0\0"[..], "f.gz", &ReadOptions::default());
+    assert!(matches!(binary, Err(TraceError::Io { .. })), "{binary:?}");
     assert_eq!(
-        binary.unwrap_err().to_string(),
-        "f.gz: line 1: not a text recording (it has a NUL byte)"
+        read(&b"\x00\x01"[..], "f", &ReadOptions::default())
+            .unwrap_err()
+            .to_string(),
+        "f: line 1: not a text recording (it has a NUL byte)"
     );
     let latin1 = read(
         &b"timestamp\tleft_x\tleft_y\n1\t2\t\xb5\n"[..],
@@ -59,6 +62,15 @@ fn formats_are_found_by_content() {
     assert_eq!(
         of("tar_x\tright_y\tright_x\ttimestamp\n"),
         Format::ScreenCentred
+    );
+    assert_eq!(of("** CONVERTED FROM x.edf\n"), Format::EyeLink);
+    assert_eq!(
+        of("{\"type\":\"gaze\",\"timestamp\":0}\n"),
+        Format::Glasses3
+    );
+    assert_eq!(
+        of("#timestamp [ns],p_RS_R_x [m],q_RS_w []\n"),
+        Format::Euroc
     );
     assert_eq!(
         of("Timestamp,GazeQX,QuaternionX,ViewIndex\n"),
@@ -108,23 +120,23 @@ fn options_out_of_range_are_named() {
         })
     };
     assert!(
-        screen(Screen {
-            distance_mm: f64::NAN,
-            ..Screen::default()
+        screen(ScreenSpec {
+            distance_mm: Some(f64::NAN),
+            ..ScreenSpec::default()
         })
         .starts_with("distance_mm = NaN")
     );
     assert!(
-        screen(Screen {
-            size_px: [0.0, 1.0],
-            ..Screen::default()
+        screen(ScreenSpec {
+            size_px: Some([0.0, 1.0]),
+            ..ScreenSpec::default()
         })
         .starts_with("screen_px = 0")
     );
     assert!(
-        screen(Screen {
-            size_mm: [1.0, -1.0],
-            ..Screen::default()
+        screen(ScreenSpec {
+            size_mm: Some([1.0, -1.0]),
+            ..ScreenSpec::default()
         })
         .starts_with("screen_mm = -1")
     );

@@ -1,9 +1,11 @@
 //! Everything that reads, writes and makes recordings, as others use it.
 
 mod damage;
+mod events;
 mod eyenavgs;
 mod foveasim_csv;
 mod info;
+mod makers;
 mod properties;
 mod real;
 mod samples;

@@ -8,7 +8,7 @@ use foveasim_traces::{ReadOptions, SeriesInfo, info, read_path, require_gaze, wr
 use crate::noted;
 
 #[expect(clippy::print_stderr, reason = "a test that is skipped says so")]
-fn find(name: &str) -> Option<PathBuf> {
+pub(crate) fn find(name: &str) -> Option<PathBuf> {
     let root = PathBuf::from(env!("CARGO_MANIFEST_DIR"));
     let found = ["../../shared/data", "../shared/data"].map(|d| root.join(d).join(name));
     let path = found.into_iter().find(|p| p.exists());
@@ -208,25 +208,279 @@ fn our_own_format_holds_them_all() {
 }
 
 #[test]
-fn other_formats_are_refused() {
-    for name in [
-        "gaze/aria/eyegaze.csv",
-        "gaze/eyelink_asc/both_eyes.asc",
-        "gaze/tobii_glasses3/gazedata.gz",
-        "gaze/tobii_sdk/p1-1.txt",
-        "gaze/vive_pro_eye/TESTNA01_360VR_Fist3.csv",
-        "head/eyenavgs/scene_setting.csv",
-        "gaze/pico_neo3/boxing_VR.csv",
-        "gaze/format_samples/gazebase_example.csv",
+fn what_is_no_recording_is_refused() {
+    for (name, why) in [
+        (
+            "gaze/pupil_invisible/trampoline_01/blinks.csv",
+            "not a recording in a known format",
+        ),
+        (
+            "gaze/tobii_glasses3/eventdata.gz",
+            "rows of neither gaze nor gyroscope",
+        ),
+        (
+            "gaze/vive_pro_eye/TESTVA03_2D_Spread9.csv",
+            "a header alone",
+        ),
+        (
+            "head/eyenavgs/scene_setting.csv",
+            "not a recording in a known format",
+        ),
     ] {
         let Some(path) = find(name) else { return };
         let text = read_path(&path, &ReadOptions::default())
             .unwrap_err()
             .to_string();
+        assert!(text.contains(why), "{name}: {text}");
+    }
+}
+
+/// What SOURCES.md says of each file: rows, rows without any gaze, rate [Hz], and what its notes say.
+#[test]
+fn gaze_agrees_with_its_sources() {
+    for (name, rows, missing, rate, note) in [
+        ("aria/eyegaze.csv", 123, 0, 10.0, ""),
+        ("aria/generalized_eye_gaze.csv", 123, 0, 10.0, ""),
+        (
+            "aria/vergence_generalized_gaze.csv",
+            123,
+            0,
+            10.0,
+            "mean of both",
+        ),
+        // 862 samples have a lost eye, 820 of them both.
+        (
+            "eyelink_asc/both_eyes.asc",
+            70_328,
+            820,
+            500.0,
+            "at least one in 862 rows",
+        ),
+        ("eyelink_asc/both_eyes.asc", 70_328, 820, 500.0, "4 blocks"),
+        ("eyelink_asc/left_eye.asc", 70_291, 1_356, 500.0, "4 blocks"),
+        ("format_samples/gazebase_example.csv", 10, 0, 1000.0, ""),
+        ("format_samples/gazebase_vr_example.csv", 10, 0, 250.0, ""),
+        ("format_samples/judo1000_example.csv", 10, 0, 1000.0, ""),
+        (
+            "format_samples/eyelink_binocular_example.asc",
+            368,
+            80,
+            1000.0,
+            "1 block",
+        ),
+        ("pico_neo3/boxing_VR.csv", 492, 6, 90.0, ""),
+        // Values go on in its blinks, which are taken as lost.
+        (
+            "pupil_invisible/trampoline_01/gaze.csv",
+            8_567,
+            2_376,
+            250.0,
+            "2376 samples inside blinks",
+        ),
+        (
+            "salient360/rawDataDyn1.csv",
+            5_150,
+            149,
+            250.0,
+            "at least one in 184 rows",
+        ),
+        (
+            "salient360/rawDataDyn1.csv",
+            5_150,
+            149,
+            250.0,
+            "5150 rows in which binPor.y and Lval",
+        ),
+        (
+            "salient360/rawDataStatic1.csv",
+            1_412,
+            0,
+            120.0,
+            "at least one in 6 rows",
+        ),
+        (
+            "tobii_glasses3/gazedata.gz",
+            6_547,
+            412,
+            100.0,
+            "left eye lost in 587 rows, right eye in 1025",
+        ),
+        ("tobii_sdk/p1-1.txt", 651, 9, 300.0, ""),
+        (
+            "tobii_sdk/p1-2.txt",
+            1_206,
+            39,
+            300.0,
+            "left eye lost in 39 rows",
+        ),
+        (
+            "tobii_sdk/p1-3.txt",
+            1_207,
+            446,
+            300.0,
+            "left eye lost in 447 rows",
+        ),
+        (
+            "vive_pro_eye/TESTNA01_360VR_Fist3.csv",
+            1_665,
+            32,
+            125.0,
+            "",
+        ),
+        (
+            "vive_pro_eye/TESTNA05_2D_Spread7.csv",
+            1_354,
+            150,
+            125.0,
+            "",
+        ),
+        (
+            "vive_pro_eye/TESTNA10_360VR_Fist3.csv",
+            1_664,
+            619,
+            125.0,
+            "left eye lost in 624 rows",
+        ),
+    ] {
+        let Some(r) = read(&format!("gaze/{name}"), &ReadOptions::default()) else {
+            return;
+        };
+        let about = info(&r).gaze.unwrap();
+        assert_eq!((about.samples, about.missing), (rows, missing), "{name}");
         assert!(
-            text.contains("not a recording in a known format")
-                || text.contains("not a text recording"),
-            "{text}"
+            (about.rate_hz / rate - 1.0).abs() < 0.01,
+            "{name}: {} Hz",
+            about.rate_hz
+        );
+        assert!(noted(&r, note), "{name}: {note}: {:?}", r.notes);
+    }
+}
+
+#[test]
+fn excerpts_of_eyelink_files() {
+    for (name, rows, missing, note) in [
+        (
+            "eyelink_monocular_2khz_example.asc",
+            16,
+            0,
+            "37.2 x 37.8 px per degree",
+        ),
+        (
+            "eyelink_monocular_no_dummy_example.asc",
+            297,
+            69,
+            "is assumed",
+        ),
+    ] {
+        let Some(r) = read(
+            &format!("gaze/format_samples/{name}"),
+            &ReadOptions::default(),
+        ) else {
+            return;
+        };
+        let about = info(&r).gaze.unwrap();
+        assert_eq!((about.samples, about.missing), (rows, missing), "{name}");
+        assert!(noted(&r, note), "{name}: {:?}", r.notes);
+    }
+}
+
+#[test]
+fn head_agrees_with_its_sources() {
+    for (name, rows, missing, rate) in [
+        ("head/aria/closed_loop_trajectory.csv", 11_517, 0, 1000.0),
+        ("gaze/pico_neo3/boxing_VR.csv", 492, 0, 90.0),
+        (
+            "gaze/pupil_invisible/trampoline_01/imu.csv",
+            8_346,
+            0,
+            200.0,
+        ),
+        ("gaze/salient360/rawDataDyn1.csv", 5_150, 0, 250.0),
+        ("gaze/salient360/rawDataStatic1.csv", 1_412, 0, 120.0),
+        // 8,092 rows, 616 of which are the magnetometer's.
+        ("gaze/tobii_glasses3/imudata.gz", 7_476, 0, 117.0),
+        (
+            "gaze/vive_pro_eye/TESTNA01_360VR_Fist3.csv",
+            1_665,
+            0,
+            125.0,
+        ),
+        ("gaze/vive_pro_eye/TESTNA05_2D_Spread7.csv", 1_354, 0, 125.0),
+        // Its helmet is zero throughout: it was not tracked.
+        (
+            "gaze/vive_pro_eye/TESTNA10_360VR_Fist3.csv",
+            1_664,
+            1_664,
+            125.0,
+        ),
+    ] {
+        let Some(r) = read(name, &ReadOptions::default()) else {
+            return;
+        };
+        let about = info(&r).pose.unwrap();
+        assert_eq!((about.samples, about.missing), (rows, missing), "{name}");
+        assert!(
+            (about.rate_hz / rate - 1.0).abs() < 0.02,
+            "{name}: {} Hz",
+            about.rate_hz
         );
     }
+}
+
+/// A head that looks about is upright on the whole, and so is one that wears glasses.
+#[test]
+fn frames_of_heads_are_upright() {
+    for name in [
+        "head/aria/closed_loop_trajectory.csv",
+        "gaze/pico_neo3/boxing_VR.csv",
+        "gaze/salient360/rawDataDyn1.csv",
+        "gaze/salient360/rawDataStatic1.csv",
+        "gaze/vive_pro_eye/TESTNA01_360VR_Fist3.csv",
+        "gaze/vive_pro_eye/TESTNA05_2D_Spread7.csv",
+    ] {
+        let Some(r) = read(name, &ReadOptions::default()) else {
+            return;
+        };
+        let poses: Vec<_> = r
+            .pose
+            .as_ref()
+            .unwrap()
+            .samples()
+            .iter()
+            .filter_map(|s| s.value)
+            .collect();
+        let up = poses
+            .iter()
+            .map(|p| p.direction(glam::DVec3::Y).y)
+            .sum::<f64>()
+            / poses.len() as f64;
+        assert!(up > 0.85, "{name}: {up}");
+    }
+}
+
+#[test]
+fn labels_of_eyelink_and_pupil() {
+    use foveasim_models::Eye;
+    use foveasim_traces::{EventKind, read_labelled_path};
+    let Some(path) = find("gaze/eyelink_asc/both_eyes.asc") else {
+        return;
+    };
+    let (_, labels) = read_labelled_path(&path, &ReadOptions::default()).unwrap();
+    let count = |kind, eye| {
+        let of = |e: &&foveasim_traces::LabelledEvent| e.kind == kind && e.eye == Some(eye);
+        labels.events.iter().filter(of).count()
+    };
+    // 529 EFIX, 521 ESACC, 20 EBLINK.
+    assert_eq!(
+        count(EventKind::Fixation, Eye::Left) + count(EventKind::Fixation, Eye::Right),
+        529
+    );
+    assert_eq!(
+        count(EventKind::Saccade, Eye::Left) + count(EventKind::Saccade, Eye::Right),
+        521
+    );
+    assert_eq!(
+        count(EventKind::Blink, Eye::Left) + count(EventKind::Blink, Eye::Right),
+        20
+    );
 }

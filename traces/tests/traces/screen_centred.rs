@@ -1,15 +1,15 @@
 use foveasim_models::Nanos;
-use foveasim_traces::{ReadOptions, Screen, read};
+use foveasim_traces::{ReadOptions, ScreenSpec, read};
 
 use crate::{error, noted, parse};
 
 #[test]
 fn pixels_become_degrees() {
     let options = ReadOptions {
-        screen: Screen {
-            size_px: [1000.0, 500.0],
-            size_mm: [500.0, 500.0],
-            distance_mm: 500.0,
+        screen: ScreenSpec {
+            size_px: Some([1000.0, 500.0]),
+            size_mm: Some([500.0, 500.0]),
+            distance_mm: Some(500.0),
         },
         ..ReadOptions::default()
     };
@@ -33,7 +33,7 @@ fn pixels_become_degrees() {
 #[test]
 fn both_eyes_one_or_none() {
     let r = parse(
-        "target_id\ttimestamp\tright_x\tright_y\tleft_y\tleft_x\n1\t1.5\t20\t0\t0\t10\n\
+        "trial\ttimestamp\tright_x\tright_y\tleft_y\tleft_x\n1\t1.5\t20\t0\t0\t10\n\
          1\t2\t20\t0\tnan\tnan\n1\t3\tnan\tnan\t0\t10\n1\t4\tnan\t0\t0\tnan\n1\t4\t0\t0\t\t\n",
     )
     .unwrap();
@@ -48,7 +48,7 @@ fn both_eyes_one_or_none() {
     assert_eq!(samples[3].value, None, "half a position is none");
     assert!(noted(&r, "3 samples of one eye alone"));
     assert!(noted(&r, "1 sample with the time of the sample before"));
-    assert!(noted(&r, "columns not used: target_id"));
+    assert!(noted(&r, "columns not used: trial"));
 }
 
 #[test]

@@ -8,7 +8,7 @@ use foveasim_models::{
     presets, unknown_name,
 };
 use foveasim_pipeline::SyncMode;
-use foveasim_traces::{ReadOptions, Screen, TraceError};
+use foveasim_traces::{ReadOptions, ScreenSpec, TraceError};
 
 use super::ScenarioSpec;
 use super::devices::{cost, display, display_spec, tracker, tracker_spec};
@@ -264,12 +264,11 @@ impl ScenarioSpec {
 
     /// How the recording is to be read.
     fn reading(&self) -> Result<ReadOptions, ScenarioError> {
-        let default = Screen::default();
         let options = ReadOptions {
-            screen: Screen {
-                size_px: width_and_height("screen_px", &self.screen_px)?.unwrap_or(default.size_px),
-                size_mm: width_and_height("screen_mm", &self.screen_mm)?.unwrap_or(default.size_mm),
-                distance_mm: self.distance_mm.unwrap_or(default.distance_mm),
+            screen: ScreenSpec {
+                size_px: width_and_height("screen_px", &self.screen_px)?,
+                size_mm: width_and_height("screen_mm", &self.screen_mm)?,
+                distance_mm: self.distance_mm,
             },
             scale: self.scale,
             segment: self.segment,

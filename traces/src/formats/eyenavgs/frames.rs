@@ -3,6 +3,7 @@ use foveasim_models::{GazeDirection, Nanos, Pose, Provenance, Recording, Sample}
 use glam::{DQuat, DVec3};
 
 use super::super::number::Row;
+use super::super::segments::choose;
 use super::super::{GAZE_ASSUMED, POSE_ASSUMED, count, in_order, no_rows, series};
 use super::{COLUMNS, EyeRow};
 use crate::{ReadOptions, TraceError};
@@ -216,47 +217,9 @@ impl Frames {
         file: &str,
         options: &ReadOptions,
     ) -> Result<std::ops::Range<usize>, TraceError> {
-        let ends = self.sessions[1..]
-            .iter()
-            .copied()
-            .chain([self.frames.len()]);
-        let ranges: Vec<_> = self
-            .sessions
-            .iter()
-            .copied()
-            .zip(ends)
-            .map(|(a, b)| a..b)
-            .collect();
-        let segments = ranges.len();
-        let chosen = match options.segment {
-            Some(n) if (1..=segments).contains(&n) => n - 1,
-            Some(wanted) => {
-                return Err(TraceError::NoSuchSegment {
-                    file: file.to_owned(),
-                    wanted,
-                    segments,
-                });
-            }
-            // The first of the longest.
-            None => (0..segments)
-                .rev()
-                .max_by_key(|&i| ranges[i].len())
-                .unwrap_or(0),
-        };
-        if segments > 1 {
-            let sizes: Vec<_> = ranges.iter().map(|r| r.len().to_string()).collect();
-            let why = if options.segment.is_some() {
-                "as asked"
-            } else {
-                "the longest; --segment chooses"
-            };
-            self.notes.push(format!(
-                "{segments} sessions joined in one file ({} frames); segment {} is read, {why}",
-                sizes.join(" and "),
-                chosen + 1
-            ));
-        }
-        Ok(ranges[chosen].clone())
+        let (range, note) = choose(file, &self.sessions, self.frames.len(), "frame", options)?;
+        self.notes.extend(note);
+        Ok(range)
     }
 
     fn describe(&mut self) {

@@ -1,0 +1,78 @@
+use std::path::PathBuf;
+
+use foveasim_models::{HeadPredictor, Nanos, Rate};
+use foveasim_reports::Table;
+use foveasim_study::ScanlineStudy;
+
+use super::trace::{ReadFlags, duration};
+use super::{Context, Failure};
+
+/// How far the view is off, row by row while a frame is scanned out, for plain, warped and rolling images.
+///
+/// The last row's errors are E1 (plain), E2 (warped), E3 (rolling) and E4 (rolling-warp-content) of Friston
+/// 2019, Fig. 16. With --out: scanlines.csv, and charts of each recording.
+#[derive(Debug, clap::Args)]
+#[command(after_help = "Examples:
+  foveasim trace scanlines user110_playroom.csv --scale 2.7 --refresh 72 --out scanlines")]
+pub(crate) struct Args {
+    /// Recordings with head pose
+    #[arg(required = true, value_name = "FILE")]
+    files: Vec<PathBuf>,
+    /// Frames per second [Hz]
+    #[arg(long, value_name = "HZ", default_value = "90", value_parser = refresh)]
+    refresh: Rate,
+    /// How head pose is predicted where it is
+    #[arg(long, value_name = "NAME", default_value = "kalman")]
+    predictor: HeadPredictor,
+    /// A hole longer than this is not predicted across
+    #[arg(long, value_name = "TIME", default_value = "100ms", value_parser = duration)]
+    max_gap: Nanos,
+    #[command(flatten)]
+    read: ReadFlags,
+}
+
+/// A display's frames per second.
+fn refresh(text: &str) -> Result<Rate, String> {
+    const FASTEST_HZ: f64 = 1000.0;
+    match text.parse() {
+        Ok(hz) if (1.0..=FASTEST_HZ).contains(&hz) => {
+            Rate::from_hz("refresh", hz).map_err(|e| e.to_string())
+        }
+        _ => Err(format!(
+            "want a number of hertz from 1 to {FASTEST_HZ}, as in 90"
+        )),
+    }
+}
+
+pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
+    let study = ScanlineStudy {
+        refresh: args.refresh,
+        predictor: args.predictor,
+        max_gap: args.max_gap,
+    };
+    let mut outputs = match &ctx.out {
+        Some(_) => Some(ctx.outputs("out")?),
+        None => None,
+    };
+    let mut all: Option<Table> = None;
+    for (i, file) in args.files.iter().enumerate() {
+        let recording = foveasim_traces::read_path(file, &args.read.options())?;
+        let scanlines = study.run(&recording)?;
+        if let Some(outputs) = &mut outputs {
+            let stem = file
+                .file_stem()
+                .and_then(|s| s.to_str())
+                .unwrap_or("recording");
+            let name = |what: &str| format!("{:02}_{stem}_{what}.svg", i + 1);
+            outputs.add(name("rotation"), scanlines.rotation_chart().svg());
+            outputs.add(name("translation"), scanlines.translation_chart().svg());
+        }
+        super::trace::append(&mut all, scanlines.table());
+    }
+    let Some(table) = all else { return Ok(()) };
+    if let Some(mut outputs) = outputs {
+        outputs.add("scanlines.csv", table.csv());
+        outputs.commit()?;
+    }
+    ctx.print_table(&table)
+}

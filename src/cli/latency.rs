@@ -106,7 +106,10 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
             "latency_histogram.csv",
             result.histogram_table(HISTOGRAM_BINS).csv(),
         );
-        outputs.add("latency.svg", result.chart(Quantity::LastRow).svg());
+        outputs.add(
+            "latency.svg",
+            result.chart(Quantity::Gaze(Rows::Last)).svg(),
+        );
         outputs.add("waterfall.svg", result.waterfall().svg());
         outputs.commit()?;
     }

@@ -107,6 +107,15 @@ impl Display {
             .sum()
     }
 
+    /// The same display if it holds `frames` whole frames before it scans them.
+    ///
+    /// # Errors
+    /// If they are more than 4.
+    pub fn holding(mut self, frames: u32) -> Result<Self, ModelError> {
+        self.scan.buffered_frames = scan::buffered(frames)?;
+        Ok(self)
+    }
+
     /// When each row of eye `index` is scanned.
     pub fn scan_of_eye(&self, index: usize) -> ScanClock {
         self.scan.of_eye(index, self.eye_order)

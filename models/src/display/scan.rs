@@ -231,6 +231,17 @@ const MOST_LINES: u32 = 1_000_000;
 /// The most frames that a display holds: Guenter 2012, footnote 6, knows of four.
 const MOST_BUFFERED: u32 = 4;
 
+/// Checks how many frames a display holds.
+pub(super) fn buffered(frames: u32) -> Result<u32, ModelError> {
+    match frames {
+        0..=MOST_BUFFERED => Ok(frames),
+        _ => {
+            let valid = format!("0 to {MOST_BUFFERED} frames");
+            Err(ModelError::range("buffered_frames", frames, valid))
+        }
+    }
+}
+
 impl ScanSpec {
     /// The clock of the first eye, when its rows give light, and how the eyes follow each other.
     pub(super) fn build(
@@ -260,11 +271,6 @@ impl ScanSpec {
             }
             (EyeOrder::Together, _) => {}
         }
-        if self.buffered_frames > MOST_BUFFERED {
-            let valid = format!("0 to {MOST_BUFFERED} frames");
-            let value = self.buffered_frames;
-            return Err(ModelError::range("scan.buffered_frames", value, valid));
-        }
         let clock = ScanClock {
             rate,
             rows,
@@ -273,7 +279,7 @@ impl ScanSpec {
             lines_before,
             lines_to_end,
             direction: self.direction,
-            buffered_frames: self.buffered_frames,
+            buffered_frames: buffered(self.buffered_frames)?,
         };
         Ok((clock, self.response()?))
     }

@@ -8,6 +8,7 @@
 //! * [`Guenter2012`]: a paper's tables and figures, ours beside theirs;
 //! * [`Scenario`] and [`run()`]: all of it, in one report.
 
+mod chain;
 mod frame;
 mod latency;
 mod numbers;
@@ -20,10 +21,11 @@ mod supersample;
 mod sweep;
 mod temporal;
 
+pub use chain::{Chain, ChainSpec, DriftSpec, HeadSampling, PARTS, Part, render_law};
 pub use frame::{Drawing, FrameError, FrameOutcome, FrameStudy, Shot, Sight};
 pub use latency::{
     Band, Histogram, LatencyError, LatencyResult, LatencySample, LatencyStudy, MAX_RUNS,
-    QUANTITIES, Quantity, RunStart,
+    QUANTITIES, Quantity, ROWS, Rows, RunStart,
 };
 pub use numbers::parse_numbers;
 pub use recording::recording_table;

@@ -9,10 +9,10 @@ mod summary;
 mod timeline;
 
 use foveasim_models::{
-    Display, FrameCost, GazeDirection, GazeMode, GazeSeries, Geometry, Nanos, PosePredictor,
-    PoseSeries, Provenance, Recording, Role, Stream, Tracker,
+    Display, FrameCost, GazeDirection, GazeMode, GazeSeries, Geometry, ModelError, Nanos,
+    PosePredictor, PoseSeries, Provenance, Rate, Recording, Role, Stream, Tracker,
 };
-use foveasim_pipeline::{GazeInput, Phases, Pipeline, RunCounts, Setup, SyncMode};
+use foveasim_pipeline::{GazeInput, Phases, Pipeline, RunCounts, Runtime, Setup, SyncMode};
 use foveasim_reports::Table;
 use glam::DVec2;
 use thiserror::Error;
@@ -27,6 +27,9 @@ use observer::Observer;
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ReplayError {
+    /// The parts of the runtime's loop do not fit each other.
+    #[error(transparent)]
+    Runtime(ModelError),
     /// Nothing was recorded.
     #[error("{origin}: no samples at all; a replay needs gaze or head poses")]
     Empty {
@@ -94,6 +97,10 @@ pub struct ReplayOptions {
     /// Gaze older than this when a frame starts is given up, and the fovea goes to the centre.
     /// `None`: the pipeline's default.
     pub gaze_max_age: Option<Nanos>,
+    /// How frames are paced, latched and composed.
+    pub runtime: Runtime,
+    /// How often a free-running host starts a frame; `None`: at the display's rate.
+    pub host_rate: Option<Rate>,
     /// Seed of the clocks' phases, the tracker's processing times and its noise.
     pub seed: u64,
 }
@@ -105,6 +112,8 @@ impl Default for ReplayOptions {
             gaze_mode: GazeMode::Tracked,
             predictor: PosePredictor::Linear,
             gaze_max_age: None,
+            runtime: Runtime::default(),
+            host_rate: None,
             seed: 1,
         }
     }
@@ -147,6 +156,14 @@ pub fn replay(
     let gaze = gaze_of(recording, options.gaze_mode, pose.is_some(), &mut notes)?;
 
     let mut setup = Setup::new(display.scan, display.response, tracker, options.sync, cost);
+    options
+        .runtime
+        .check(options.sync, display.scan.rate)
+        .map_err(ReplayError::Runtime)?;
+    setup.runtime = options.runtime;
+    if let Some(rate) = options.host_rate {
+        setup.host_rate = rate;
+    }
     setup.phases = phases(&setup, options.seed, start);
     setup.seed = options.seed;
     setup.predictor = options.predictor;
@@ -346,7 +363,10 @@ fn fresh_age(setup: &Setup<'_>, mode: GazeMode, gaze: Option<&GazeSeries>) -> Na
                     .get(steps.len() / 2)
                     .map_or(Nanos::ZERO, |step| *step * 2)
         }
-        _ => tracker.exposure + tracker.processing_max + tracker.rate.period() * 2,
+        _ => {
+            let longest = tracker.exposure + tracker.processing.max() + tracker.transport.max();
+            longest + tracker.rate.period() * 2
+        }
     }
 }
 

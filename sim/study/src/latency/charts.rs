@@ -1,7 +1,7 @@
 use foveasim_pipeline::STAGES;
 use foveasim_reports::{self as reports, HistogramSeries, Waterfall, WaterfallStage};
 
-use super::{LatencyResult, Quantity};
+use super::{LatencyResult, Quantity, Rows};
 
 /// Bins of a chart's histogram.
 const CHART_BINS: usize = 60;
@@ -21,11 +21,15 @@ impl LatencyResult {
         };
         let stages = STAGES
             .iter()
+            .filter(|s| self.is_told(Quantity::Stage(**s)))
             .map(|s| stage(&s.name().replace('_', " "), Quantity::Stage(*s)));
         Waterfall {
             title: "Where the time goes".into(),
             stages: stages.collect(),
-            total: Some(stage("gaze to photon, gaze row", Quantity::GazeRow)),
+            total: Some(stage(
+                "gaze to photon, gaze row",
+                Quantity::Gaze(Rows::Gaze),
+            )),
         }
     }
 

@@ -2,9 +2,9 @@ use std::ops::ControlFlow;
 
 use foveasim_models::{
     Display, EyePanel, GazeDirection, GazeMode, GazeSeries, Interpolate, Nanos, Pose, Provenance,
-    Series,
+    ScanClock, Series,
 };
-use foveasim_pipeline::{Cursor, Displayed, Rendered, Setup, Sink};
+use foveasim_pipeline::{Cursor, Displayed, Rendered, Setup, Sink, Stages};
 
 use super::{GazeState, ReplayFrame};
 
@@ -86,21 +86,28 @@ impl<'a> Observer<'a> {
         }
     }
 
-    /// The panel row that `gaze` falls on, or the nearest one.
-    fn row_of(&self, gaze: GazeDirection, rows: u32) -> u32 {
+    /// The panel row (or column, where they are scanned) that `gaze` falls on, or the nearest one.
+    fn row_of(&self, gaze: GazeDirection, clock: &ScanClock) -> u32 {
         let in_eye = self.panel.in_eye(gaze).vector();
+        let (rows, across) = (clock.rows, clock.direction.across());
         let last = f64::from(rows - 1);
-        let height = f64::from(self.panel.viewport.size.y);
+        let size = self.panel.viewport.size.as_dvec2();
+        // Rows count from the top, columns from the left.
+        let first = match across {
+            true => in_eye.x < 0.0,
+            false => in_eye.y > 0.0,
+        };
         let row = match self.panel.viewport.project(in_eye) {
-            Some(px) => px.y / height * f64::from(rows),
-            None if in_eye.y > 0.0 => 0.0,
+            Some(px) if across => px.x / size.x * f64::from(rows),
+            Some(px) => px.y / size.y * f64::from(rows),
+            None if first => 0.0,
             None => last,
         };
         row.floor().clamp(0.0, last) as u32
     }
 
     fn head_error_deg(&mut self, scan: &Displayed, middle: u32) -> Option<f64> {
-        let drawn = scan.at_row(middle)?.frame.pose?.pose;
+        let drawn = scan.at_row(middle)?.pose()?.pose;
         let truth = self.pose.as_mut()?.at(scan.lit(middle))?;
         Some(drawn.angle_to_deg(truth))
     }
@@ -110,7 +117,7 @@ impl<'a> Observer<'a> {
         let middle = rows / 2;
         let looked_at = self.gaze.as_mut().and_then(|g| g.at(scan.lit(middle)));
         let drawn = scan.at_row(middle).map(|shown| self.fovea(&shown.frame).0);
-        let gaze_row = self.row_of(looked_at.or(drawn)?, rows);
+        let gaze_row = self.row_of(looked_at.or(drawn)?, &scan.clock);
         let shown = scan.at_row(gaze_row)?;
         let (fovea, state) = self.fovea(&shown.frame);
         let lit = scan.lit(gaze_row);
@@ -120,6 +127,11 @@ impl<'a> Observer<'a> {
             vblank: scan.vblank,
             frame: shown.frame,
             flipped: shown.flipped,
+            pose: shown.pose(),
+            stages: shown.frame.gaze.map(|gaze| {
+                let exposed = gaze.exposure_start;
+                Stages::of_gaze(exposed, &gaze, &shown.frame, shown, scan, gaze_row)
+            }),
             frame_ids: [id(0), id(rows - 1)],
             gaze_row,
             scanned: scan.scanned(gaze_row),

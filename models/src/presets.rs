@@ -72,9 +72,13 @@ macro_rules! embed {
     };
 }
 
-const DISPLAYS: &[(&str, &str)] =
-    embed!("displays": "lg-w2363d", "fove-0", "dk2", "quest-pro", "quest-3");
-const TRACKERS: &[(&str, &str)] = embed!("trackers": "tx300", "spectrum", "fove-0", "quest-pro");
+const DISPLAYS: &[(&str, &str)] = embed!(
+    "displays": "lg-w2363d", "fove-0", "dk2", "quest-pro", "quest-3", "vive-pro", "vive-pro-2", "index",
+    "varjo-xr-4", "psvr2", "bigscreen-beyond"
+);
+const TRACKERS: &[(&str, &str)] = embed!(
+    "trackers": "tx300", "spectrum", "fove-0", "quest-pro", "vive-pro-eye", "varjo"
+);
 
 const COSTS: &[(&str, &str)] = embed!("costs": "guenter2012");
 

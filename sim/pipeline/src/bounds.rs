@@ -33,6 +33,8 @@ pub struct StageBounds {
     stages: [Interval; STAGES.len()],
     /// From the movement to the flip.
     to_flip: Interval,
+    /// How far the beam has come at every flip, if that is always the same.
+    flip_at: Option<Nanos>,
     /// Longest time between vertical blanks.
     pub refresh: Nanos,
     /// Longest time from the start of a frame to the start of the next.
@@ -94,8 +96,12 @@ impl StageBounds {
             0 => Interval::ZERO,
             n => periods(setup.scan.rate, i64::from(n)),
         };
+        let flip_at = flip_at(setup, render);
         let scan_wait = match setup.sync {
-            SyncMode::Tearing => Interval::new(Nanos::ZERO, refresh),
+            SyncMode::Tearing => match flip_at {
+                Some(at) => about(until(row, at, refresh)),
+                None => Interval::new(Nanos::ZERO, refresh),
+            },
             SyncMode::VsyncFree | SyncMode::Vsync => Interval::exactly(row),
         };
         let response = &setup.response;
@@ -119,9 +125,15 @@ impl StageBounds {
                 Interval::exactly(response.to_counted_light),
             ],
             to_flip: sensing.into_iter().sum::<Interval>() + delivered_to_flip,
+            flip_at,
             refresh,
             host_cycle: host.cycle,
         }
+    }
+
+    /// How far after the vertical blank every flip of a torn picture is, if it is always the same.
+    pub fn flip_at(&self) -> Option<Nanos> {
+        self.flip_at
     }
 
     /// Bounds of one stage.
@@ -201,8 +213,9 @@ impl Host {
         };
         let queue = Interval::new(queued(render.min), queued(render.max));
         let lead = Interval::exactly(setup.runtime.lead);
-        let flip_wait = match setup.sync {
-            SyncMode::Tearing => Interval::ZERO,
+        let flip_wait = match (setup.sync, flip_at(setup, render)) {
+            (SyncMode::Tearing, _) => Interval::ZERO,
+            (_, Some(at)) => about(until(refresh, at + setup.runtime.lead, refresh)),
             _ => Interval::new(Nanos::ZERO, refresh),
         };
         let to_flip = queue + render + flip_wait + lead;
@@ -335,6 +348,34 @@ impl Host {
             flips: longest(rate, steps + last),
         }
     }
+}
+
+/// When after a vertical blank frames end, if that is always the same: they all take the same time, at
+/// most a period of a host whose clock is the display's.
+fn flip_at(setup: &Setup<'_>, render: Interval) -> Option<Nanos> {
+    let rate = setup.scan.rate;
+    let steady = render.width() == Nanos::ZERO && render.max <= rate.period();
+    let end = setup.runtime.host_lock? + render.max;
+    (steady && setup.host_rate == rate).then(|| end - rate.tick(end_periods(rate, end)))
+}
+
+/// Whole periods within `t`.
+fn end_periods(rate: Rate, t: Nanos) -> i64 {
+    rate.first_at_or_after(t + Nanos(1)) - 1
+}
+
+/// From `at` after a vertical blank until `row` after one: this one, or the next.
+pub fn until(row: Nanos, at: Nanos, refresh: Nanos) -> Nanos {
+    let wait = row - at;
+    match wait < Nanos::ZERO {
+        true => wait + refresh,
+        false => wait,
+    }
+}
+
+/// A duration between ticks of one rate, which are rounded to the nanosecond.
+fn about(t: Nanos) -> Interval {
+    Interval::new((t - Nanos(1)).max(Nanos::ZERO), t + Nanos(1))
 }
 
 /// The longest time that `n` periods can take between ticks of whole nanoseconds.

@@ -120,6 +120,7 @@ pub(crate) struct Run<'p, 'a> {
     gaze_feed: GazeFeed<'a>,
     pub(crate) pose_feed: Option<PoseFeed<'a>>,
     host_ticks: Ticks,
+    host_phase: Nanos,
     vblanks: Ticks,
     /// Number of the vertical blank that `vblanks` gives next.
     next_tick: i64,
@@ -165,7 +166,11 @@ impl<'p, 'a> Run<'p, 'a> {
             host_rate,
             ..
         } = *setup;
-        let host_ticks = host_rate.ticks(host_rate.first_at_or_after(begin - phases.host));
+        let host_phase = match setup.runtime.host_lock {
+            Some(after) => phases.vblank + after,
+            None => phases.host,
+        };
+        let host_ticks = host_rate.ticks(host_rate.first_at_or_after(begin - host_phase));
         let next_tick = clock.rate.first_at_or_after(begin - phases.vblank);
         let scan = Displayed {
             scan: -1,
@@ -184,6 +189,7 @@ impl<'p, 'a> Run<'p, 'a> {
             gaze_feed: GazeFeed::new(setup, begin),
             pose_feed: PoseFeed::new(setup),
             host_ticks,
+            host_phase,
             vblanks: clock.rate.ticks(next_tick),
             next_tick,
             active: clock.active(),
@@ -252,7 +258,7 @@ impl<'p, 'a> Run<'p, 'a> {
 
     fn plan_host_tick(&mut self) {
         if let Some(t) = self.host_ticks.next() {
-            self.plan(self.setup.phases.host + t, Event::HostTick);
+            self.plan(self.host_phase + t, Event::HostTick);
         }
     }
 

@@ -30,6 +30,9 @@ pub struct Runtime {
     pub gaze_latch: Nanos,
     /// The head pose is read this long after a frame starts, at the latest when it ends.
     pub pose_latch: Nanos,
+    /// The clock of a host that runs freely is the display's: its frames are due this long after each
+    /// vertical blank. `None`: the clocks are independent.
+    pub host_lock: Option<Nanos>,
     /// What becomes of a refresh that no new frame is ready for.
     pub missed: Missed,
 }
@@ -43,6 +46,7 @@ impl Default for Runtime {
             in_flight: 1,
             gaze_latch: Nanos::ZERO,
             pose_latch: Nanos::ZERO,
+            host_lock: None,
             missed: Missed::Repeat,
         }
     }
@@ -161,6 +165,16 @@ impl Runtime {
             }
         }
         let waits = sync == SyncMode::Vsync;
+        if let Some(after) = self.host_lock {
+            if waits {
+                let valid = "none with vsync, which is locked to the display";
+                return error("host lock [ms]", after.as_ms().to_string(), valid);
+            }
+            if !(Nanos::ZERO..=period).contains(&after) {
+                let valid = format!("from 0 to {} (a refresh)", period.as_ms());
+                return error("host lock [ms]", after.as_ms().to_string(), &valid);
+            }
+        }
         match self.start {
             FrameStart::AtVblank => {}
             FrameStart::JustInTime { .. } if !waits || self.in_flight > 1 => {

@@ -15,6 +15,10 @@ pub struct ChainSpec {
     /// How often a free-running host starts a frame \[Hz\]; absent: at the display's rate.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub host_hz: Option<f64>,
+    /// A free-running host's clock is the display's, and its frames are due this long after each
+    /// vertical blank \[ms\]; absent: the clocks are independent.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub host_lock_ms: Option<f64>,
     /// When a host that waits for the display starts a frame: `vblank`, `just-in-time` (reserving the
     /// longest rendering time), or `just-in-time:MS`.
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -192,6 +196,7 @@ impl ChainSpec {
             in_flight: self.frames_in_flight.unwrap_or(1),
             gaze_latch: latch("gaze_latch_ms", self.gaze_latch_ms)?,
             pose_latch: latch("pose_latch_ms", self.pose_latch_ms)?,
+            host_lock: milliseconds("host_lock_ms", self.host_lock_ms)?,
             missed: match &self.missed {
                 None => Missed::default(),
                 Some(text) => text.parse().map_err(field("missed"))?,

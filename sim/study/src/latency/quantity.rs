@@ -1,5 +1,5 @@
 use foveasim_models::{Emission, Nanos};
-use foveasim_pipeline::{Interval, STAGES, Stage, StageBounds, SyncMode};
+use foveasim_pipeline::{Interval, STAGES, Stage, StageBounds, SyncMode, until};
 
 use super::band::Edges;
 
@@ -121,13 +121,13 @@ impl Rows {
                 };
                 to_panel + Interval::exactly(edges.lit(row))
             }
-            _ => to_panel + self.after_flip(stages.refresh, edges),
+            _ => to_panel + self.after_flip(stages, edges),
         }
     }
 
     /// From a flip anywhere in the scan until the rows are lit, when the picture tears.
-    fn after_flip(self, refresh: Nanos, edges: &Edges) -> Interval {
-        let Edges { first, last, .. } = *edges;
+    fn after_flip(self, stages: &StageBounds, edges: &Edges) -> Interval {
+        let (Edges { first, last, .. }, refresh) = (*edges, stages.refresh);
         let pass = last - first;
         // From scanned to lit; of a global flash, from the start of the scan.
         let lit = match edges.response.emission {
@@ -144,6 +144,20 @@ impl Rows {
             // Nothing is lit before the scan ends: what counts is which scan holds the rows.
             (Emission::Global, Self::First) => Interval::new(Nanos::ZERO, refresh),
             (Emission::Global, _) => Interval::new(pass, refresh + pass),
+        };
+        let wait = match (stages.flip_at(), edges.response.emission) {
+            // The beam is always at the same place; rounding may move it by a nanosecond.
+            (Some(at), Emission::Rolling) => {
+                let inside = first < at && at < last;
+                let wait = match self {
+                    Self::First if inside => Nanos::ZERO,
+                    Self::First => until(first, at, refresh),
+                    Self::Last if inside => refresh,
+                    _ => until(first, at, refresh) + pass,
+                };
+                Interval::new((wait - Nanos(2)).max(Nanos::ZERO), wait + Nanos(2))
+            }
+            _ => wait,
         };
         wait + Interval::exactly(lit)
     }

@@ -1,6 +1,11 @@
-use foveasim_models::presets;
+use foveasim_models::{Rate, presets};
+use foveasim_pipeline::STAGES;
 
 use super::*;
+
+mod properties;
+mod search;
+mod sensitivity;
 
 fn study(sync: SyncMode) -> LatencyStudy {
     let display = presets::display("lg-w2363d").unwrap();

@@ -1,5 +1,6 @@
 use foveasim_models::{Nanos, Rate};
 
+use crate::runtime::LEAST_RESERVE;
 use crate::{FrameStart, Interval, Missed, STAGES, Setup, Stage, SyncMode};
 
 /// Which movement is answered.
@@ -282,15 +283,14 @@ impl Host {
         let up = |t: Nanos| rate.first_at_or_after(t).max(1);
         let keeps_up = render.max <= rate.period() && render.max + lead <= rate.tick(n);
         if keeps_up {
-            // Every blank flips one frame and starts one; none waits to be rendered.
+            // Every blank flips one frame and starts one. When the first ones are rendered, and when
+            // they then wait for their flips, is left open: n start at once, and the queue of those
+            // that take nearly a refresh never empties.
             let whole = periods(rate, n);
             return Self {
                 cycle: longest(rate, 1),
-                queue: Interval::ZERO,
-                flip_wait: Interval::new(
-                    whole.min - lead - render.max,
-                    whole.max - lead - render.min,
-                ),
+                queue: Interval::new(Nanos::ZERO, render.max * (n - 1)),
+                flip_wait: Interval::new(Nanos::ZERO, whole.max - lead - render.min),
                 to_flip: whole,
                 wait_to_flip: longest(rate, n + 1),
                 flips: longest(rate, 1),
@@ -324,6 +324,7 @@ impl Host {
     /// Frames start so that one that takes `reserve` is composed in time.
     fn just_in_time(setup: &Setup<'_>, render: Interval, reserve: Nanos) -> Self {
         let (rate, lead) = (setup.scan.rate, setup.runtime.lead);
+        let reserve = reserve.max(LEAST_RESERVE);
         let late = |t: Nanos| match t > reserve {
             true => rate.first_at_or_after(t - reserve).max(1),
             false => 0,

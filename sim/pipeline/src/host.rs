@@ -5,6 +5,7 @@ use std::ops::ControlFlow;
 use foveasim_models::{Emission, FrameInput, Nanos};
 
 use crate::pipeline::{Event, Run};
+use crate::runtime::LEAST_RESERVE;
 use crate::{FrameStart, GazeStamp, PoseStamp, Rendered, Shown, Sink, SyncMode};
 
 impl Run<'_, '_> {
@@ -44,7 +45,7 @@ impl Run<'_, '_> {
     /// the first vertical blank that is not served yet and can still be met.
     pub(crate) fn plan_just_in_time(&mut self, reserve: Nanos) {
         let (rate, phase) = (self.setup.scan.rate, self.setup.phases.vblank);
-        let ahead = self.setup.runtime.lead + reserve;
+        let ahead = self.setup.runtime.lead + reserve.max(LEAST_RESERVE);
         let soonest = rate.first_at_or_after(self.calendar.now() + ahead - phase);
         self.target = soonest.max(self.target.saturating_add(1));
         self.plan(phase + rate.tick(self.target) - ahead, Event::FrameStart);

@@ -60,10 +60,14 @@ pub enum FrameStart {
     AtVblank,
     /// So late that a frame that takes `reserve` is finished just in time for the compositor.
     JustInTime {
-        /// Time set aside for rendering: the expected time and a margin.
+        /// Time set aside for rendering: the expected time and a margin. At least a nanosecond is, or
+        /// a frame that takes no time would start when the compositor has just taken another.
         reserve: Nanos,
     },
 }
+
+/// The least time that a just-in-time start sets aside.
+pub(crate) const LEAST_RESERVE: Nanos = Nanos(1);
 
 /// What becomes of a refresh for which no new frame is ready.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]

@@ -11,6 +11,7 @@ mod charts;
 mod histogram;
 mod observer;
 mod quantity;
+mod sensitivity;
 
 use foveasim_models::{
     Display, DrawnCost, Durations, FixedCost, ModelError, Nanos, Role, Stream, Tracker,
@@ -25,6 +26,7 @@ use thiserror::Error;
 pub use band::Band;
 pub use histogram::Histogram;
 pub use quantity::{QUANTITIES, Quantity, ROWS, Rows};
+pub use sensitivity::{Budget, KNOBS, Knob, Sensitivity, sensitivity_table};
 
 use crate::Chain;
 use observer::Observer;

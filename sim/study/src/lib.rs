@@ -24,8 +24,8 @@ mod temporal;
 pub use chain::{Chain, ChainSpec, DriftSpec, HeadSampling, PARTS, Part, render_law};
 pub use frame::{Drawing, FrameError, FrameOutcome, FrameStudy, Shot, Sight};
 pub use latency::{
-    Band, Histogram, LatencyError, LatencyResult, LatencySample, LatencyStudy, MAX_RUNS,
-    QUANTITIES, Quantity, ROWS, Rows, RunStart,
+    Band, Budget, Histogram, KNOBS, Knob, LatencyError, LatencyResult, LatencySample, LatencyStudy,
+    MAX_RUNS, QUANTITIES, Quantity, ROWS, Rows, RunStart, Sensitivity, sensitivity_table,
 };
 pub use numbers::parse_numbers;
 pub use recording::recording_table;

@@ -29,7 +29,8 @@ pub enum Part {
     HeadDelay,
     /// Frames render in no time.
     Render,
-    /// One frame in flight.
+    /// One frame in flight. Alone among the parts it can be worth its time: frames that do not keep up
+    /// with the display are fewer without it.
     Queue,
     /// The compositor takes frames at the vertical blank itself, and warps in no time.
     Lead,

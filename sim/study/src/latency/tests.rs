@@ -272,10 +272,7 @@ fn stages_add_up_and_rows_are_in_order() {
         for i in 0..2000 {
             let (sample, _) = study.simulate(&mut pipeline, 3, i, study.draw(3, i));
             let get = |q: Quantity| sample[q.index()];
-            let sum: i64 = foveasim_pipeline::STAGES
-                .iter()
-                .map(|s| get(Quantity::Stage(*s)).0)
-                .sum();
+            let sum: i64 = STAGES.iter().map(|s| get(Quantity::Stage(*s)).0).sum();
             assert_eq!(sum, get(Quantity::Gaze(Rows::Gaze)).0);
             assert!(get(Quantity::Gaze(Rows::First)) <= get(Quantity::Gaze(Rows::Gaze)));
             assert!(get(Quantity::Gaze(Rows::Gaze)) <= get(Quantity::Gaze(Rows::Last)));

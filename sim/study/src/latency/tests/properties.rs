@@ -10,7 +10,13 @@ use crate::{Chain, HeadSampling, PARTS, Part};
 fn any_chain() -> impl Strategy<Value = Chain> {
     let sync = prop::sample::select(SyncMode::ALL.to_vec());
     let times = (0.0f64..9.0, 0.0f64..6.0, 0.0f64..4.0, 0.0f64..3.0);
-    let loops = (0.0f64..3.0, 1u32..=3, 0u32..=4, any::<bool>(), any::<bool>());
+    let loops = (
+        0.0f64..3.0,
+        1u32..=3,
+        0u32..=4,
+        any::<bool>(),
+        any::<bool>(),
+    );
     (sync, times, loops).prop_map(|(sync, times, loops)| {
         let (render, spread, transport, settle) = times;
         let (lead, in_flight, buffered, warped, hurried) = loops;
@@ -21,12 +27,19 @@ fn any_chain() -> impl Strategy<Value = Chain> {
         chain.display.response.settle = Nanos::from_ms(settle);
         chain.display.response.to_counted_light = Nanos::from_ms(settle / 2.0);
         chain.display.scan.buffered_frames = buffered;
-        chain.head = HeadSampling { rate: None, delay: Nanos::from_ms(transport) };
+        chain.head = HeadSampling {
+            rate: None,
+            delay: Nanos::from_ms(transport),
+        };
         let runtime = &mut chain.runtime;
         if sync != SyncMode::Tearing {
             runtime.lead = Nanos::from_ms(lead);
             runtime.warp = warped.then_some(runtime.lead);
-            runtime.missed = if warped { Missed::Reproject } else { Missed::Repeat };
+            runtime.missed = if warped {
+                Missed::Reproject
+            } else {
+                Missed::Repeat
+            };
         }
         if sync == SyncMode::Vsync && hurried {
             let reserve = chain.render.max();
@@ -46,7 +59,9 @@ proptest! {
     fn switching_a_part_off_never_raises_a_latency(chain in any_chain()) {
         let study = LatencyStudy::of(chain.clone(), None).unwrap();
         let (with, before) = (study.bounds(), run(&study, 400));
-        for part in PARTS {
+        // Fewer frames in flight can mean fewer frames a second, where they do not keep up.
+        let keeps_up = chain.render.max() + chain.runtime.lead <= chain.display.scan.rate.period();
+        for part in PARTS.into_iter().filter(|p| keeps_up || *p != Part::Queue) {
             let off = LatencyStudy::of(chain.clone().without(part), None).unwrap();
             let after = run(&off, 400);
             for q in [Quantity::Gaze(Rows::Gaze), Quantity::Gaze(Rows::Last), Quantity::Motion(Rows::Gaze)] {

@@ -57,11 +57,20 @@ fn chains() -> Vec<(&'static str, Chain)> {
     vec![
         ("tearing", chain(Tearing, |_| ())),
         ("tearing, long frames", chain(Tearing, law("13.7"))),
-        ("tearing, uneven frames", chain(Tearing, law("uniform:4..12.3"))),
+        (
+            "tearing, uneven frames",
+            chain(Tearing, law("uniform:4..12.3")),
+        ),
         ("tearing, 2 in flight", chain(Tearing, in_flight(2, "13.7"))),
         ("tearing, 3 in flight", chain(Tearing, in_flight(3, "6"))),
-        ("tearing, late latch", chain(Tearing, |c| c.runtime.gaze_latch = Nanos(5 * MS))),
-        ("tearing, upwards", chain(Tearing, |c| c.display.scan.direction = ScanDirection::Up)),
+        (
+            "tearing, late latch",
+            chain(Tearing, |c| c.runtime.gaze_latch = Nanos(5 * MS)),
+        ),
+        (
+            "tearing, upwards",
+            chain(Tearing, |c| c.display.scan.direction = ScanDirection::Up),
+        ),
         ("free, lead", chain(VsyncFree, lead(2.5))),
         ("free, uneven", chain(VsyncFree, law("uniform:4..12.3"))),
         ("free, 3 in flight", chain(VsyncFree, in_flight(3, "13.7"))),
@@ -70,42 +79,72 @@ fn chains() -> Vec<(&'static str, Chain)> {
         ("blocked, lead makes it miss", chain(Vsync, lead(4.5))),
         ("blocked, uneven", chain(Vsync, law("uniform:4..12.3"))),
         ("blocked, 3 refreshes", chain(Vsync, law("21.2"))),
-        ("blocked, half rate", chain(Vsync, |c| {
-            c.runtime.missed = Missed::HalfRate;
-            c.render = "21.2".parse().unwrap();
-        })),
+        (
+            "blocked, half rate",
+            chain(Vsync, |c| {
+                c.runtime.missed = Missed::HalfRate;
+                c.render = "21.2".parse().unwrap();
+            }),
+        ),
         ("blocked, 2 in flight", chain(Vsync, in_flight(2, "6"))),
-        ("blocked, 3 in flight, uneven", chain(Vsync, in_flight(3, "uniform:4..9.5"))),
+        (
+            "blocked, 3 in flight, uneven",
+            chain(Vsync, in_flight(3, "uniform:4..9.5")),
+        ),
         ("blocked, warp", chain(Vsync, warp(Missed::Repeat))),
-        ("blocked, reprojected", chain(Vsync, |c| {
-            warp(Missed::Reproject)(c);
-            c.render = "18".parse().unwrap();
-        })),
+        (
+            "blocked, reprojected",
+            chain(Vsync, |c| {
+                warp(Missed::Reproject)(c);
+                c.render = "18".parse().unwrap();
+            }),
+        ),
         ("just in time", chain(Vsync, just_in_time("6", 6.0))),
-        ("just in time, margin", chain(Vsync, just_in_time("uniform:4..6", 7.5))),
-        ("just in time, too long", chain(Vsync, just_in_time("13", 14.0))),
-        ("just in time, missed", chain(Vsync, just_in_time("8.5", 7.0))),
-        ("late pose latch", chain(Vsync, |c| {
-            c.runtime.pose_latch = Nanos(4 * MS);
-            c.head = HeadSampling {
-                rate: Some(Rate::from_hz("f", 800.0).unwrap()),
-                delay: Nanos(MS),
-            };
-        })),
-        ("buffered, global, strobed", chain(Vsync, |c| {
-            c.display.scan.buffered_frames = 3;
-            c.display.response.emission = Emission::Global;
-            c.display.response.strobe_delay = Nanos(MS / 2);
-            c.display.response.to_counted_light = Nanos(MS);
-        })),
-        ("transport and losses", chain(Vsync, |c| {
-            c.tracker.transport = Durations::uniform("t", [0.5, 1.5]).unwrap();
-            c.tracker.processing = Durations::uniform("p", [1.0, 2.0]).unwrap();
-        })),
-        ("a display whose period is no whole number", chain(Vsync, |c| {
-            c.display.scan.rate = Rate::from_hz("f", 119.88).unwrap();
-            c.runtime.lead = Nanos(MS);
-        })),
+        (
+            "just in time, margin",
+            chain(Vsync, just_in_time("uniform:4..6", 7.5)),
+        ),
+        (
+            "just in time, too long",
+            chain(Vsync, just_in_time("13", 14.0)),
+        ),
+        (
+            "just in time, missed",
+            chain(Vsync, just_in_time("8.5", 7.0)),
+        ),
+        (
+            "late pose latch",
+            chain(Vsync, |c| {
+                c.runtime.pose_latch = Nanos(4 * MS);
+                c.head = HeadSampling {
+                    rate: Some(Rate::from_hz("f", 800.0).unwrap()),
+                    delay: Nanos(MS),
+                };
+            }),
+        ),
+        (
+            "buffered, global, strobed",
+            chain(Vsync, |c| {
+                c.display.scan.buffered_frames = 3;
+                c.display.response.emission = Emission::Global;
+                c.display.response.strobe_delay = Nanos(MS / 2);
+                c.display.response.to_counted_light = Nanos(MS);
+            }),
+        ),
+        (
+            "transport and losses",
+            chain(Vsync, |c| {
+                c.tracker.transport = Durations::uniform("t", [0.5, 1.5]).unwrap();
+                c.tracker.processing = Durations::uniform("p", [1.0, 2.0]).unwrap();
+            }),
+        ),
+        (
+            "a display whose period is no whole number",
+            chain(Vsync, |c| {
+                c.display.scan.rate = Rate::from_hz("f", 119.88).unwrap();
+                c.runtime.lead = Nanos(MS);
+            }),
+        ),
     ]
 }
 
@@ -202,7 +241,10 @@ fn bounds_are_the_extremes_that_a_search_finds() {
                 let found = searched(&extreme, quantity, longest);
                 let bound = bounds[quantity.index()];
                 let want = if longest { bound.max } else { bound.min };
-                assert!(bound.contains(found), "{name}: {quantity:?}: {found} outside {bound:?}");
+                assert!(
+                    bound.contains(found),
+                    "{name}: {quantity:?}: {found} outside {bound:?}"
+                );
                 assert!(
                     (found - want).0.abs() <= 1000,
                     "{name}: {quantity:?}: found {found}, bound {want}"
@@ -215,39 +257,69 @@ fn bounds_are_the_extremes_that_a_search_finds() {
 #[test]
 fn no_sample_of_any_chain_leaves_its_bounds_and_stages_add_up() {
     let mut chains = chains();
-    chains.push(("saturated queue", chain(SyncMode::Vsync, |c| {
-        c.runtime.in_flight = 2;
-        c.runtime.lead = Nanos(2 * MS);
-        c.render = "uniform:7..16".parse().unwrap();
-    })));
-    chains.push(("uneven half rate", chain(SyncMode::Vsync, |c| {
-        c.runtime.missed = Missed::HalfRate;
-        c.render = "uniform:8..12".parse().unwrap();
-    })));
-    chains.push(("blinks", chain(SyncMode::Vsync, |c| {
-        let spec = foveasim_models::TrackerSpec {
-            dropouts: Some(LossSpec { per_minute: 600.0, lasts_ms: [3.0, 30.0] }),
-            blinks: Some(LossSpec { per_minute: 200.0, lasts_ms: [50.0, 80.0] }),
-            ..presets::tracker_spec("tx300").unwrap()
-        };
-        c.tracker = spec.try_into().unwrap();
-    })));
+    chains.push((
+        "saturated queue",
+        chain(SyncMode::Vsync, |c| {
+            c.runtime.in_flight = 2;
+            c.runtime.lead = Nanos(2 * MS);
+            c.render = "uniform:7..16".parse().unwrap();
+        }),
+    ));
+    chains.push((
+        "uneven half rate",
+        chain(SyncMode::Vsync, |c| {
+            c.runtime.missed = Missed::HalfRate;
+            c.render = "uniform:8..12".parse().unwrap();
+        }),
+    ));
+    chains.push((
+        "blinks",
+        chain(SyncMode::Vsync, |c| {
+            let spec = foveasim_models::TrackerSpec {
+                dropouts: Some(LossSpec {
+                    per_minute: 600.0,
+                    lasts_ms: [3.0, 30.0],
+                }),
+                blinks: Some(LossSpec {
+                    per_minute: 200.0,
+                    lasts_ms: [50.0, 80.0],
+                }),
+                ..presets::tracker_spec("tx300").unwrap()
+            };
+            c.tracker = spec.try_into().unwrap();
+        }),
+    ));
     for (name, chain) in chains {
         let study = LatencyStudy::of(chain, None).unwrap();
         let result = run(&study, 3000);
         if let Some(q) = result.outside_bounds() {
             let h = result.histogram(q);
             let bound = result.bounds[q.index()];
-            panic!("{name}: {q:?}: {} to {} outside {bound:?}", h.min(), h.max());
+            panic!(
+                "{name}: {q:?}: {} to {} outside {bound:?}",
+                h.min(),
+                h.max()
+            );
         }
         let mut pipeline = Pipeline::new();
         for i in 0..200 {
             let (sample, _) = study.simulate(&mut pipeline, 3, i, study.draw(3, i));
             let get = |q: Quantity| sample[q.index()];
             let sum = |of: fn(Stage) -> Quantity| STAGES.iter().map(|s| get(of(*s)).0).sum::<i64>();
-            assert_eq!(sum(Quantity::Stage), get(Quantity::Gaze(Rows::Gaze)).0, "{name}");
-            assert_eq!(sum(Quantity::MotionStage), get(Quantity::Motion(Rows::Gaze)).0, "{name}");
-            assert!(sample.iter().all(|t| *t >= Nanos::ZERO), "{name}: {sample:?}");
+            assert_eq!(
+                sum(Quantity::Stage),
+                get(Quantity::Gaze(Rows::Gaze)).0,
+                "{name}"
+            );
+            assert_eq!(
+                sum(Quantity::MotionStage),
+                get(Quantity::Motion(Rows::Gaze)).0,
+                "{name}"
+            );
+            assert!(
+                sample.iter().all(|t| *t >= Nanos::ZERO),
+                "{name}: {sample:?}"
+            );
         }
     }
 }
@@ -258,7 +330,10 @@ fn the_longest_loss_is_in_the_bound() {
     let mut chain = chain(SyncMode::Tearing, |_| ());
     let spec = foveasim_models::TrackerSpec {
         rate_hz: 250.0,
-        dropouts: Some(LossSpec { per_minute: 50_000.0, lasts_ms: [30.0, 30.0] }),
+        dropouts: Some(LossSpec {
+            per_minute: 50_000.0,
+            lasts_ms: [30.0, 30.0],
+        }),
         ..presets::tracker_spec("tx300").unwrap()
     };
     chain.tracker = spec.try_into().unwrap();

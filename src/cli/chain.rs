@@ -54,7 +54,13 @@ pub(crate) struct ChainFlags {
     #[arg(long, value_name = "EYE")]
     eye: Option<String>,
     /// How much faster than stated clocks run, in parts in a million: tracker, host, display
-    #[arg(long, value_name = "T,H,D", value_delimiter = ',', num_args = 3, allow_negative_numbers = true)]
+    #[arg(
+        long,
+        value_name = "T,H,D",
+        value_delimiter = ',',
+        num_args = 3,
+        allow_negative_numbers = true
+    )]
     drift_ppm: Option<Vec<f64>>,
     /// Parts to switch off, separated by commas: exposure, processing, transport, dropouts, blinks, bias,
     /// noise, slippage, head-delay, render, queue, lead, buffer, response, persistence

@@ -2,6 +2,7 @@ use std::path::PathBuf;
 
 use foveasim_study::{MOMENT_PICTURES, ScenarioSpec, read_text};
 
+use super::chain::ChainFlags;
 use super::context::Format;
 use super::trace::ReadFlags;
 use super::{Context, Failure};
@@ -52,7 +53,7 @@ pub(crate) struct Args {
     /// Gaze older than this is given up [ms] [default: 250]
     #[arg(long, value_name = "MS", allow_negative_numbers = true)]
     max_gaze_age_ms: Option<f64>,
-    /// refresh, cost, or milliseconds a frame renders [default: refresh]
+    /// How long a frame renders: refresh, cost, or a LAW [default: refresh]
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     render_time: Option<String>,
     /// Cost profile of predicted times: a preset, or a TOML file [default: guenter2012]
@@ -70,6 +71,8 @@ pub(crate) struct Args {
     /// Pixels per degree at the centre of the savings map [default: 10..60:10]
     #[arg(long, value_name = "LIST")]
     ppd_centre: Option<String>,
+    #[command(flatten)]
+    chain: ChainFlags,
     #[command(flatten)]
     read: ReadFlags,
 }
@@ -141,6 +144,7 @@ impl Args {
         set(&mut spec.fov, &self.fov);
         set(&mut spec.ppd_centre, &self.ppd_centre);
         set(&mut spec.seed, &ctx.seed_flag);
+        self.chain.over(&mut spec.chain);
         let read = &self.read;
         for (place, flag) in [
             (&mut spec.screen_px, read.screen_px),

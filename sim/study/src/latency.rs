@@ -11,6 +11,7 @@ mod charts;
 mod histogram;
 mod observer;
 mod quantity;
+mod reading;
 mod sensitivity;
 
 use foveasim_models::{
@@ -24,8 +25,10 @@ use rayon::prelude::*;
 use thiserror::Error;
 
 pub use band::Band;
+pub use charts::tornado;
 pub use histogram::Histogram;
 pub use quantity::{QUANTITIES, Quantity, ROWS, Rows};
+pub use reading::{FIG5_READINGS, Fig5Reading, Fig5Result};
 pub use sensitivity::{Budget, KNOBS, Knob, Sensitivity, sensitivity_table};
 
 use crate::Chain;
@@ -89,6 +92,8 @@ pub struct LatencyResult {
     pub histograms: Vec<Histogram>,
     /// Exact bounds, in the same order.
     pub bounds: Vec<Interval>,
+    /// The fastest and the slowest run to the row gazed at: of gaze, and of motion.
+    pub extremes: [[LatencySample; 2]; 2],
     /// How many events were simulated.
     pub events: u64,
 }
@@ -251,23 +256,20 @@ impl LatencyStudy {
         seed: u64,
         progress: &(dyn Fn(u64) + Sync),
     ) -> Result<LatencyResult, LatencyError> {
-        if !(1..=MAX_RUNS).contains(&runs) {
-            let valid = format!("from 1 to {MAX_RUNS}");
-            return Err(LatencyError::OutOfRange {
-                field: "runs",
-                value: runs.to_string(),
-                valid,
-            });
-        }
+        check_runs(runs)?;
         let frame = Frame::new(self);
         let bounds = frame.all.clone();
         let empty = || Partial {
             histograms: bounds.iter().map(|b| Histogram::new(*b)).collect(),
             pipeline: Pipeline::new(),
+            extremes: [[None; 2]; 2],
             events: 0,
         };
         let Partial {
-            histograms, events, ..
+            histograms,
+            events,
+            extremes,
+            ..
         } = (0..runs.div_ceil(CHUNK))
             .into_par_iter()
             .fold(empty, |mut partial, chunk| {
@@ -278,6 +280,7 @@ impl LatencyStudy {
                     let (sample, events) =
                         self.simulate_within(&frame, &mut partial.pipeline, seed, run, start);
                     partial.events += events;
+                    partial.see(run, &sample);
                     for (histogram, t) in partial.histograms.iter_mut().zip(sample) {
                         histogram.add(t);
                     }
@@ -289,8 +292,21 @@ impl LatencyStudy {
         Ok(LatencyResult {
             histograms,
             bounds,
+            extremes: extremes
+                .map(|pair| pair.map(|run| run.expect("there was at least one run").sample)),
             events,
         })
+    }
+}
+
+fn check_runs(runs: u64) -> Result<(), LatencyError> {
+    match runs {
+        1..=MAX_RUNS => Ok(()),
+        _ => Err(LatencyError::OutOfRange {
+            field: "runs",
+            value: runs.to_string(),
+            valid: format!("from 1 to {MAX_RUNS}"),
+        }),
     }
 }
 
@@ -356,17 +372,81 @@ impl Frame {
 struct Partial {
     histograms: Vec<Histogram>,
     pipeline: Pipeline,
+    /// Fastest and slowest, of gaze and of motion.
+    extremes: [[Option<Extreme>; 2]; 2],
     events: u64,
 }
 
+/// A run that is faster, or slower, than all others; of equals, the first.
+#[derive(Debug, Clone, Copy)]
+struct Extreme {
+    time: Nanos,
+    run: u64,
+    sample: LatencySample,
+}
+
 impl Partial {
+    fn see(&mut self, run: u64, sample: &LatencySample) {
+        for (pair, of) in self
+            .extremes
+            .iter_mut()
+            .zip([Quantity::Gaze, Quantity::Motion])
+        {
+            let time = sample[of(Rows::Gaze).index()];
+            for (slowest, best) in pair.iter_mut().enumerate() {
+                let beaten = best.is_none_or(|b| match slowest {
+                    0 => (time, run) < (b.time, b.run),
+                    _ => (-time, run) < (-b.time, b.run),
+                });
+                if beaten {
+                    let sample = *sample;
+                    *best = Some(Extreme { time, run, sample });
+                }
+            }
+        }
+    }
+
     fn merge(mut self, other: Self) -> Self {
         for (mine, theirs) in self.histograms.iter_mut().zip(&other.histograms) {
             mine.merge(theirs);
         }
         self.events += other.events;
+        for pair in other.extremes {
+            for extreme in pair.into_iter().flatten() {
+                self.see(extreme.run, &extreme.sample);
+            }
+        }
         self
     }
+}
+
+/// Columns of latency tables.
+const COLUMNS: [&str; 10] = [
+    "stage",
+    "min_ms",
+    "p5_ms",
+    "p50_ms",
+    "mean_ms",
+    "p95_ms",
+    "p99_ms",
+    "max_ms",
+    "bound_min_ms",
+    "bound_max_ms",
+];
+
+/// The numbers of one row of such a table.
+fn columns(h: &Histogram, bound: Interval) -> [f64; 9] {
+    [
+        h.min().as_ms(),
+        h.quantile_ms(0.05),
+        h.quantile_ms(0.5),
+        h.mean_ms(),
+        h.quantile_ms(0.95),
+        h.quantile_ms(0.99),
+        h.max().as_ms(),
+        bound.min.as_ms(),
+        bound.max.as_ms(),
+    ]
 }
 
 impl LatencyResult {
@@ -404,34 +484,12 @@ impl LatencyResult {
     }
 
     fn table_of(&self, chosen: impl Fn(Quantity) -> bool) -> Table {
-        let mut table = Table::new([
-            "stage",
-            "min_ms",
-            "p5_ms",
-            "p50_ms",
-            "mean_ms",
-            "p95_ms",
-            "p99_ms",
-            "max_ms",
-            "bound_min_ms",
-            "bound_max_ms",
-        ]);
+        let mut table = Table::new(COLUMNS);
         for (quantity, bound) in QUANTITIES.into_iter().zip(&self.bounds) {
             if !(chosen(quantity) && self.is_told(quantity)) {
                 continue;
             }
-            let h = self.histogram(quantity);
-            let values = [
-                h.min().as_ms(),
-                h.quantile_ms(0.05),
-                h.quantile_ms(0.5),
-                h.mean_ms(),
-                h.quantile_ms(0.95),
-                h.quantile_ms(0.99),
-                h.max().as_ms(),
-                bound.min.as_ms(),
-                bound.max.as_ms(),
-            ];
+            let values = columns(self.histogram(quantity), *bound);
             let row = std::iter::once(quantity.name().into());
             table.push(row.chain(values.map(Cell::from)).collect());
         }

@@ -24,8 +24,9 @@ mod temporal;
 pub use chain::{Chain, ChainSpec, DriftSpec, HeadSampling, PARTS, Part, render_law};
 pub use frame::{Drawing, FrameError, FrameOutcome, FrameStudy, Shot, Sight};
 pub use latency::{
-    Band, Budget, Histogram, KNOBS, Knob, LatencyError, LatencyResult, LatencySample, LatencyStudy,
-    MAX_RUNS, QUANTITIES, Quantity, ROWS, Rows, RunStart, Sensitivity, sensitivity_table,
+    Band, Budget, FIG5_READINGS, Fig5Reading, Fig5Result, Histogram, KNOBS, Knob, LatencyError,
+    LatencyResult, LatencySample, LatencyStudy, MAX_RUNS, QUANTITIES, Quantity, ROWS, Rows,
+    RunStart, Sensitivity, sensitivity_table, tornado,
 };
 pub use numbers::parse_numbers;
 pub use recording::recording_table;

@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use foveasim_models::{ModelError, toml_error};
 use serde::{Deserialize, Deserializer, Serialize};
 
+pub(crate) use devices::read_text_up_to;
 pub use devices::{cost, display, read_text, tracker};
 pub use resolve::{GazeSource, MapGrid, RenderTime, Scenario, ScenarioError};
 

@@ -5,7 +5,7 @@ use foveasim_pipeline::{FrameStart, Missed, Runtime, SyncMode};
 use serde::{Deserialize, Serialize};
 
 use super::{Chain, HeadSampling, Part};
-use crate::scenario::{ScenarioError, read_text};
+use crate::scenario::{ScenarioError, read_text_up_to};
 
 /// The loop between tracker and display as people write it: the `[chain]` section of a scenario. What
 /// is absent is off, or as the devices say.
@@ -87,6 +87,9 @@ impl DriftSpec {
     }
 }
 
+/// The largest file of measured durations \[bytes\].
+const MOST_MEASURED: u64 = 1 << 28;
+
 /// A law of durations: milliseconds, `uniform:MIN..MAX`, `normal:MEAN,SD`, or `csv:FILE` with measured
 /// values (the first column whose name ends in `ms`).
 ///
@@ -95,7 +98,10 @@ impl DriftSpec {
 pub fn render_law(text: &str) -> Result<Durations, ScenarioError> {
     match text.strip_prefix("csv:") {
         None => Ok(text.parse()?),
-        Some(path) => Ok(Durations::from_csv(&read_text(Path::new(path))?, path)?),
+        Some(path) => {
+            let text = read_text_up_to(Path::new(path), MOST_MEASURED)?;
+            Ok(Durations::from_csv(&text, path)?)
+        }
     }
 }
 

@@ -36,8 +36,8 @@ pub use replay::{
 };
 pub use reproduce::{
     Antialiasing, Column, Guenter2012, Guenter2012Outcome, LatencyBars, LatencyRow, Payoff,
-    PayoffRow, Predicted, PredictedRow, QualityRow, QualitySweep, ReproduceError, Table1,
-    Table1Cell, TimeFit, Times,
+    PayoffRow, Predicted, PredictedRow, QualityRow, QualitySweep, ReproduceError, Stein2021,
+    SteinRow, Table1, Table1Cell, TimeFit, Times,
 };
 pub use run::{MOMENT_PICTURES, MethodSaving, Moment, PlanCost, Run, RunError, Savings, run};
 pub use scenario::{

@@ -36,6 +36,10 @@ pub struct ReplayFrame {
     pub vblank: Nanos,
     /// The frame that lit the gaze row, and what it knew.
     pub frame: Rendered,
+    /// When the compositor took it; at the flip, without one.
+    pub composed: Nanos,
+    /// Whether it was warped late.
+    pub warped: bool,
     /// When that frame became the buffer that is scanned.
     pub flipped: Nanos,
     /// The pose that the picture in that row agrees with: the frame's, or a late warp's.

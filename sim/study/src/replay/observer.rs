@@ -126,6 +126,8 @@ impl<'a> Observer<'a> {
             scan: scan.scan,
             vblank: scan.vblank,
             frame: shown.frame,
+            composed: shown.composed,
+            warped: shown.warp.is_some(),
             flipped: shown.flipped,
             pose: shown.pose(),
             stages: shown.frame.gaze.map(|gaze| {

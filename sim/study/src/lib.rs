@@ -32,7 +32,7 @@ pub use numbers::parse_numbers;
 pub use recording::recording_table;
 pub use replay::{
     Difference, GazeState, Golden, REPLAY_COLUMNS, Replay, ReplayError, ReplayFrame, ReplayOptions,
-    ReplaySummary, Spread, replay,
+    ReplayRun, ReplaySummary, Spread, replay, replay_each,
 };
 pub use reproduce::{
     Antialiasing, Column, Guenter2012, Guenter2012Outcome, LatencyBars, LatencyRow, Payoff,

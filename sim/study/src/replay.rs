@@ -134,12 +134,22 @@ pub struct Replay {
     pub notes: Vec<String>,
 }
 
-/// Replays `recording` on `display`.
-///
-/// Recorded truth is seen through `tracker`; a tracker's own output is delivered at its own time
-/// stamps, and the truth at time t is what it reports at t + delay. A lost gaze leaves the fovea where
-/// it was until it is too old, then the fovea goes to the centre; [`GazeState`] says which. A planar
-/// display is watched with a still head.
+/// What a replay is about as a whole.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReplayRun {
+    /// Displayed frames.
+    pub frames: u64,
+    /// Scans before the first frame was finished.
+    pub dark_scans: u64,
+    /// When the recording starts; tables count from here.
+    pub start: Nanos,
+    /// How much was simulated.
+    pub counts: RunCounts,
+    /// What had to be assumed; one sentence each.
+    pub notes: Vec<String>,
+}
+
+/// Replays `recording` on `display` and keeps every displayed frame; [`replay_each`] keeps none.
 ///
 /// # Errors
 /// If there is nothing to replay, or its times cannot be used.
@@ -150,6 +160,38 @@ pub fn replay(
     cost: &dyn FrameCost,
     options: &ReplayOptions,
 ) -> Result<Replay, ReplayError> {
+    let mut frames = Vec::new();
+    let run = replay_each(recording, display, tracker, cost, options, |frame| {
+        frames.push(frame);
+    })?;
+    Ok(Replay {
+        frames,
+        dark_scans: run.dark_scans,
+        start: run.start,
+        counts: run.counts,
+        notes: run.notes,
+    })
+}
+
+/// Replays `recording` on `display` and gives each displayed frame to `each`, in order. Beside the
+/// recording itself, memory does not grow with its length.
+///
+/// Recorded truth is seen through `tracker`; a tracker's own output is delivered at its own time
+/// stamps, and the truth at time t is what it reports at t + delay. A lost gaze leaves the fovea where
+/// it was until it is too old, then the fovea goes to the centre; [`GazeState`] says which. A planar
+/// display is watched with a still head.
+///
+/// # Errors
+/// If there is nothing to replay, or its times cannot be used; no frame was given then, unless the
+/// recording is too short for any.
+pub fn replay_each(
+    recording: &Recording,
+    display: &Display,
+    tracker: &Tracker,
+    cost: &dyn FrameCost,
+    options: &ReplayOptions,
+    mut each: impl FnMut(ReplayFrame),
+) -> Result<ReplayRun, ReplayError> {
     let (start, end) = span(recording, display)?;
     let mut notes = Vec::new();
     let pose = pose_of(recording, display, &mut notes);
@@ -190,27 +232,29 @@ pub fn replay(
         ));
     }
     let fresh = fresh_age(&setup, options.gaze_mode, gaze);
-    let mut observer = Observer::new(display, &setup, options.gaze_mode, gaze, fresh, end);
+    let (mut frames, mut beyond) = (0u64, 0u64);
+    let see = |frame: ReplayFrame| {
+        frames += 1;
+        beyond += u64::from(frame.true_gaze.is_some_and(|g| !on_display(display, g)));
+        each(frame);
+    };
+    let mode = options.gaze_mode;
+    let mut observer = Observer::new(display, &setup, mode, gaze, fresh, end, see);
     let counts = Pipeline::new().run(&setup, start, end, &mut observer);
-    let (frames, dark_scans) = observer.into_frames();
-    if frames.is_empty() {
+    let dark_scans = observer.dark_scans();
+    if frames == 0 {
         return Err(ReplayError::Duration {
             origin: recording.source.clone(),
             seconds: (end - start).as_secs(),
             valid: "long enough for a frame to reach the display".into(),
         });
     }
-    let beyond = frames
-        .iter()
-        .filter(|f| f.true_gaze.is_some_and(|g| !on_display(display, g)))
-        .count();
     if beyond > 0 {
         notes.push(format!(
-            "the eye looks beyond the display in {beyond} of {} displayed frames",
-            frames.len()
+            "the eye looks beyond the display in {beyond} of {frames} displayed frames"
         ));
     }
-    Ok(Replay {
+    Ok(ReplayRun {
         frames,
         dark_scans,
         start,

@@ -9,15 +9,14 @@ use foveasim_pipeline::{Cursor, Displayed, Rendered, Setup, Sink, Stages};
 use super::{GazeState, ReplayFrame};
 
 /// Compares every scan with what was true when it gave light.
-#[derive(Debug)]
-pub(super) struct Observer<'a> {
+pub(super) struct Observer<'a, F> {
     panel: &'a EyePanel,
     mode: GazeMode,
     gaze: Option<Truth<'a, GazeDirection>>,
     pose: Option<Truth<'a, Pose>>,
     fresh: Nanos,
     end: Nanos,
-    frames: Vec<ReplayFrame>,
+    each: F,
     dark_scans: u64,
 }
 
@@ -47,8 +46,8 @@ impl<'a, T: Interpolate> Truth<'a, T> {
     }
 }
 
-impl<'a> Observer<'a> {
-    /// Compares with `gaze` and with the poses of `setup`; frames that start with gaze older than
+impl<'a, F: FnMut(ReplayFrame)> Observer<'a, F> {
+    /// Gives each displayed frame to `each`. Compares with `gaze` and with the poses of `setup`; frames that start with gaze older than
     /// `fresh` hold it, and rows lit after `end` are not looked at.
     pub(super) fn new(
         display: &'a Display,
@@ -57,6 +56,7 @@ impl<'a> Observer<'a> {
         gaze: Option<&'a GazeSeries>,
         fresh: Nanos,
         end: Nanos,
+        each: F,
     ) -> Self {
         Self {
             panel: display.primary(),
@@ -65,14 +65,14 @@ impl<'a> Observer<'a> {
             pose: setup.pose.map(|series| Truth::new(series, setup.max_gap)),
             fresh,
             end,
-            frames: Vec::new(),
+            each,
             dark_scans: 0,
         }
     }
 
-    /// The frames seen, and how many scans showed none.
-    pub(super) fn into_frames(self) -> (Vec<ReplayFrame>, u64) {
-        (self.frames, self.dark_scans)
+    /// How many scans showed no frame.
+    pub(super) fn dark_scans(&self) -> u64 {
+        self.dark_scans
     }
 
     fn fovea(&self, frame: &Rendered) -> (GazeDirection, GazeState) {
@@ -146,11 +146,11 @@ impl<'a> Observer<'a> {
     }
 }
 
-impl Sink for Observer<'_> {
+impl<F: FnMut(ReplayFrame)> Sink for Observer<'_, F> {
     fn displayed(&mut self, scan: &Displayed) -> ControlFlow<()> {
         match self.look(scan) {
             None => self.dark_scans += 1,
-            Some(frame) if frame.lit <= self.end => self.frames.push(frame),
+            Some(frame) if frame.lit <= self.end => (self.each)(frame),
             Some(_) => return ControlFlow::Break(()),
         }
         ControlFlow::Continue(())

@@ -2,6 +2,8 @@
 
 use foveasim_study::ChainSpec;
 
+use super::options;
+
 /// The loop between tracker and display. Times are in ms; a LAW is milliseconds, `uniform:MIN..MAX`,
 /// `normal:MEAN,SD` or `csv:FILE` (measured values: the first column whose name ends in `ms`).
 #[derive(Debug, Clone, clap::Args)]
@@ -54,14 +56,8 @@ pub(crate) struct ChainFlags {
     #[arg(long, value_name = "EYE")]
     eye: Option<String>,
     /// How much faster than stated clocks run, in parts in a million: tracker, host, display
-    #[arg(
-        long,
-        value_name = "T,H,D",
-        value_delimiter = ',',
-        num_args = 3,
-        allow_negative_numbers = true
-    )]
-    drift_ppm: Option<Vec<f64>>,
+    #[arg(long, value_name = "T,H,D", value_parser = options::triple, allow_hyphen_values = true)]
+    drift_ppm: Option<[f64; 3]>,
     /// Parts to switch off, separated by commas: exposure, processing, transport, dropouts, blinks, bias,
     /// noise, slippage, head-delay, render, queue, lead, buffer, response, persistence
     #[arg(long, value_name = "PARTS", value_delimiter = ',')]
@@ -91,7 +87,7 @@ impl ChainFlags {
         set(&mut spec.head_hz, &self.head_hz);
         set(&mut spec.head_delay_ms, &self.head_delay_ms);
         set(&mut spec.eye, &self.eye);
-        if let Some(&[tracker, host, display]) = self.drift_ppm.as_deref() {
+        if let Some([tracker, host, display]) = self.drift_ppm {
             let drift = &mut spec.drift_ppm;
             (drift.tracker, drift.host, drift.display) = (tracker, host, display);
         }

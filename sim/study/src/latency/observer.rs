@@ -2,12 +2,12 @@ use std::ops::ControlFlow;
 
 use foveasim_models::Nanos;
 use foveasim_pipeline::{
-    Displayed, GazeStamp, Rendered, STAGES, Segment, Sensed, Shown, Sink, Stages,
+    Displayed, GazeStamp, Rendered, STAGES, Segment, Sensed, Shown, Sink, Stage, Stages,
 };
 
 use super::LatencySample;
 use super::band::Edges;
-use super::quantity::{QUANTITIES, Quantity, Rows};
+use super::quantity::{QUANTITIES, Quantity, ROWS, Rows};
 
 /// Waits for the rows of the inner layer to be lit from pictures that knew of a movement of the eye,
 /// and of one of the head at the same time.
@@ -48,19 +48,10 @@ impl Observer {
     /// What was measured, once everything has been.
     pub(super) fn sample(&self) -> Option<LatencySample> {
         let mut sample = [Nanos::ZERO; QUANTITIES.len()];
-        let kinds: [(fn(_) -> _, fn(_) -> _); 2] = [
-            (Quantity::Stage, Quantity::Gaze),
-            (Quantity::MotionStage, Quantity::Motion),
-        ];
-        for (answer, (stage_of, rows_of)) in self.answers.iter().zip(kinds) {
-            let stages = answer.stages?;
-            for stage in STAGES {
-                sample[stage_of(stage).index()] = stages.get(stage);
-            }
-            for rows in super::quantity::ROWS {
-                sample[rows_of(rows).index()] = answer.lit[rows as usize]? - self.moved;
-            }
-        }
+        let [gaze, head] = &self.answers;
+        let moved = self.moved;
+        gaze.measured(moved, Quantity::Stage, Quantity::Gaze, &mut sample)?;
+        head.measured(moved, Quantity::MotionStage, Quantity::Motion, &mut sample)?;
         Some(sample)
     }
 }
@@ -74,6 +65,24 @@ impl Answer {
             lit: [None; 4],
             stages: None,
         }
+    }
+
+    /// Writes what was measured since `moved` to its places; `None` if not all has been.
+    fn measured(
+        &self,
+        moved: Nanos,
+        stage_of: fn(Stage) -> Quantity,
+        rows_of: fn(Rows) -> Quantity,
+        sample: &mut LatencySample,
+    ) -> Option<()> {
+        let stages = self.stages?;
+        for stage in STAGES {
+            sample[stage_of(stage).index()] = stages.get(stage);
+        }
+        for rows in ROWS {
+            sample[rows_of(rows).index()] = self.lit[rows as usize]? - moved;
+        }
+        Some(())
     }
 
     fn is_complete(&self) -> bool {

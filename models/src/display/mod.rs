@@ -1,6 +1,7 @@
 mod hmd;
 mod planar;
 mod scan;
+mod scan_spec;
 
 use std::collections::BTreeMap;
 
@@ -8,7 +9,8 @@ use serde::{Deserialize, Serialize};
 
 pub use hmd::HmdSpec;
 pub use planar::PlanarSpec;
-pub use scan::{Emission, EyeOrder, LightAt, PixelResponse, ScanClock, ScanDirection, ScanSpec};
+pub use scan::{Emission, PixelResponse, ScanClock, ScanDirection};
+pub use scan_spec::{EyeOrder, LightAt, ScanSpec};
 
 use crate::presets::Source;
 use crate::{Eye, GazeDirection, ModelError, Pose, Viewport};
@@ -112,7 +114,7 @@ impl Display {
     /// # Errors
     /// If they are more than 4.
     pub fn holding(mut self, frames: u32) -> Result<Self, ModelError> {
-        self.scan.buffered_frames = scan::buffered(frames)?;
+        self.scan.buffered_frames = scan_spec::buffered(frames)?;
         Ok(self)
     }
 

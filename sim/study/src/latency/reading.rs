@@ -119,10 +119,10 @@ impl Fig5Result {
     /// One row per bar, then the whole; columns as those of
     /// [`LatencyResult::table`](super::LatencyResult::table).
     pub fn table(&self) -> Table {
-        let mut table = Table::new(super::COLUMNS);
+        let mut table = Table::new(super::result::COLUMNS);
         for ((name, h), bound) in BARS.iter().zip(&self.histograms).zip(&self.bounds) {
             let mut row = vec![Cell::from(*name)];
-            row.extend(super::columns(h, *bound).map(Cell::from));
+            row.extend(super::result::columns(h, *bound).map(Cell::from));
             table.push(row);
         }
         table

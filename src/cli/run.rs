@@ -1,6 +1,8 @@
 use std::path::PathBuf;
 
-use foveasim_study::{MOMENT_PICTURES, ScenarioSpec, read_text};
+use foveasim_study::{
+    MARGIN_TOLERANCE_DEG, MOMENT_PICTURES, Scenario, ScenarioSpec, close_margin, read_text,
+};
 
 use super::chain::ChainFlags;
 use super::context::Format;
@@ -71,6 +73,10 @@ pub(crate) struct Args {
     /// Pixels per degree at the centre of the savings map [default: 10..60:10]
     #[arg(long, value_name = "LIST")]
     ppd_centre: Option<String>,
+    /// Instead of all that: find the margin that covers the gaze error in so many of 100 displayed frames,
+    /// with frames that take what the cost profile says of the margin itself; exit 1 if there is none
+    #[arg(long, value_name = "PERCENT", allow_negative_numbers = true)]
+    close_margin: Option<f64>,
     #[command(flatten)]
     chain: ChainFlags,
     #[command(flatten)]
@@ -79,6 +85,9 @@ pub(crate) struct Args {
 
 pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
     let scenario = args.spec(ctx)?.resolve()?;
+    if let Some(percent) = args.close_margin {
+        return margin(&scenario, percent, ctx);
+    }
     // An unwritable folder is found before the work, not after.
     let mut outputs = ctx.outputs("out")?;
     let bar = ctx.progress(1000, "starting");
@@ -110,6 +119,18 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
         ))?;
     }
     Ok(())
+}
+
+fn margin(scenario: &Scenario, percent: f64, ctx: &Context) -> Result<(), Failure> {
+    let found = close_margin(scenario, percent / 100.0)?;
+    ctx.deliver_table(&found.table(), "margin.csv")?;
+    match found.closed {
+        true => Ok(()),
+        false => Err(Failure::CheckFailed(format!(
+            "the margin does not converge to {MARGIN_TOLERANCE_DEG}° within {} turns",
+            found.steps.len()
+        ))),
+    }
 }
 
 impl Args {

@@ -23,10 +23,18 @@ pub struct Loss {
     pub lasts: Durations,
 }
 
+/// The rarest losses \[1/min\]: once in 16 hours. Times between still rarer ones leave the clock's range.
+const RAREST: f64 = 0.001;
+
 impl LossSpec {
     /// The valid loss; `None` if it never happens.
     pub(super) fn build(&self, field: &str) -> Result<Option<Loss>, ModelError> {
         in_range(&format!("{field}.per_minute"), self.per_minute, 0.0..=1e5)?;
+        if self.per_minute > 0.0 && self.per_minute < RAREST {
+            let valid = format!("0 (never), or at least {RAREST}");
+            let field = format!("{field}.per_minute");
+            return Err(ModelError::range(field, self.per_minute, valid));
+        }
         let lasts = Durations::uniform(&format!("{field}.lasts_ms"), self.lasts_ms)?;
         Ok((self.per_minute > 0.0).then(|| Loss {
             mean_gap_ns: 6e10 / self.per_minute,
@@ -131,6 +139,11 @@ mod tests {
             ..spec
         };
         assert_eq!(never.build("x").unwrap(), None);
+        let rare = LossSpec {
+            per_minute: 1e-300,
+            ..never.clone()
+        };
+        assert!(rare.build("x").is_err());
         let wrong = LossSpec {
             per_minute: f64::NAN,
             ..never

@@ -39,7 +39,10 @@ pub use reproduce::{
     PayoffRow, Predicted, PredictedRow, QualityRow, QualitySweep, ReproduceError, Stein2021,
     SteinRow, Table1, Table1Cell, TimeFit, Times,
 };
-pub use run::{MOMENT_PICTURES, MethodSaving, Moment, PlanCost, Run, RunError, Savings, run};
+pub use run::{
+    MARGIN_TOLERANCE_DEG, MOMENT_PICTURES, MarginLoop, MarginStep, MethodSaving, Moment, PlanCost,
+    Run, RunError, Savings, close_margin, run,
+};
 pub use scenario::{
     GazeSource, MapGrid, RenderTime, Scenario, ScenarioError, ScenarioSpec, cost, display,
     read_text, tracker,

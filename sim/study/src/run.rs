@@ -2,6 +2,7 @@
 //! what foveation saves, and report.
 
 mod cost;
+mod margin;
 mod moments;
 mod page;
 mod savings;
@@ -16,6 +17,7 @@ use foveasim_traces::{SynthSpec, TraceError};
 use thiserror::Error;
 
 pub use cost::PlanCost;
+pub use margin::{MARGIN_TOLERANCE_DEG, MarginLoop, MarginStep, close_margin};
 pub use moments::{MOMENT_PICTURES, Moment};
 pub use savings::{MethodSaving, Savings};
 

@@ -4,7 +4,7 @@ use foveasim_models::{
     Display, EyePanel, GazeDirection, GazeMode, GazeSeries, Interpolate, Nanos, Pose, Provenance,
     ScanClock, Series,
 };
-use foveasim_pipeline::{Cursor, Displayed, Rendered, Setup, Sink, Stages};
+use foveasim_pipeline::{Cursor, Displayed, Rendered, Setup, Shown, Sink, Stages};
 
 use super::{GazeState, ReplayFrame};
 
@@ -120,6 +120,7 @@ impl<'a, F: FnMut(ReplayFrame)> Observer<'a, F> {
         let gaze_row = self.row_of(looked_at.or(drawn)?, &scan.clock);
         let shown = scan.at_row(gaze_row)?;
         let (fovea, state) = self.fovea(&shown.frame);
+        let fovea = as_warped(fovea, shown);
         let lit = scan.lit(gaze_row);
         let id = |row| scan.at_row(row).map(|shown| shown.frame.id);
         Some(ReplayFrame {
@@ -154,5 +155,17 @@ impl<F: FnMut(ReplayFrame)> Sink for Observer<'_, F> {
             Some(_) => return ControlFlow::Break(()),
         }
         ControlFlow::Continue(())
+    }
+}
+
+/// Where a fovea drawn at `fovea` is seen, relative to the head: a late warp moves the whole picture,
+/// the fovea with it.
+fn as_warped(fovea: GazeDirection, shown: &Shown) -> GazeDirection {
+    match (shown.frame.pose, shown.warp.and_then(|w| w.pose)) {
+        (Some(drawn), Some(warped)) => {
+            let in_world = drawn.pose.direction(fovea.vector());
+            GazeDirection::from_vector(warped.pose.inverse().direction(in_world))
+        }
+        _ => fovea,
     }
 }

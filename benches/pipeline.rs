@@ -5,7 +5,9 @@ use std::hint::black_box;
 
 use criterion::{Criterion, Throughput, criterion_group, criterion_main};
 use foveasim::models::{FixedCost, GazeDirection, Nanos, Role, Stream, math, presets};
-use foveasim::pipeline::{Calendar, Displayed, GazeInput, Pipeline, Setup, Sink, SyncMode};
+use foveasim::pipeline::{
+    Calendar, Displayed, GazeInput, Missed, Pipeline, Recorder, Runtime, Setup, Sink, SyncMode,
+};
 use foveasim::study::LatencyStudy;
 
 /// Customers arrive at random, wait for the one server and are served for a random time; `n` events.
@@ -75,6 +77,36 @@ fn benches(c: &mut Criterion) {
         };
         group.throughput(Throughput::Elements(run().events));
         group.bench_function(format!("chain_events_{sync}"), |b| b.iter(&mut run));
+    }
+
+    // All that happens is kept, with a compositor, late latches and a warp for every refresh.
+    let cost = FixedCost(Nanos::from_ms(7.0));
+    let mut setup = Setup::new(
+        display.scan,
+        display.response,
+        &tracker,
+        SyncMode::Vsync,
+        &cost,
+    );
+    setup.gaze = GazeInput::Constant(GazeDirection::AHEAD);
+    setup.runtime = Runtime {
+        lead: Nanos::from_ms(1.2),
+        warp: Some(Nanos::from_ms(1.0)),
+        missed: Missed::Reproject,
+        gaze_latch: Nanos::from_ms(2.0),
+        pose_latch: Nanos::from_ms(4.0),
+        ..Runtime::default()
+    };
+    for (name, runtime) in [("vsync", Runtime::default()), ("xr", setup.runtime)] {
+        let setup = Setup { runtime, ..setup };
+        let mut pipeline = Pipeline::new();
+        let mut run = || {
+            let (end, mut recorder) = (Nanos(100_000_000_000), Recorder::default());
+            let counts = pipeline.run(black_box(&setup), Nanos::ZERO, end, &mut recorder);
+            (counts.events, recorder)
+        };
+        group.throughput(Throughput::Elements(run().0));
+        group.bench_function(format!("recorded_events_{name}"), |b| b.iter(&mut run));
     }
 
     let study = LatencyStudy::new(display, tracker, SyncMode::Tearing, None, None)

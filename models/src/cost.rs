@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::in_range;
 use crate::presets::Source;
-use crate::{GazeDirection, ModelError, Nanos, Pose};
+use crate::{Durations, GazeDirection, ModelError, Nanos, Pose, Role, Stream};
 
 /// What a frame knew when its rendering began: all that its cost may depend on.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -33,6 +33,43 @@ pub struct FixedCost(pub Nanos);
 impl FrameCost for FixedCost {
     fn duration(&self, _: &FrameInput) -> Nanos {
         self.0
+    }
+}
+
+/// Every frame takes a time of its own, drawn from a law: the same for the same seed, run and frame,
+/// whatever else is drawn.
+#[derive(Debug, Clone, Copy)]
+pub struct DrawnCost<'a> {
+    /// The law.
+    pub law: &'a Durations,
+    /// Seed of the draws.
+    pub seed: u64,
+    /// Runs of one seed draw independently.
+    pub run: u64,
+}
+
+impl FrameCost for DrawnCost<'_> {
+    fn duration(&self, frame: &FrameInput) -> Nanos {
+        if self.law.min() == self.law.max() {
+            return self.law.min();
+        }
+        let seed = self.seed.wrapping_add(self.run.rotate_left(32));
+        self.law
+            .draw(&mut Stream::new(seed, Role::RenderTime, frame.id))
+    }
+}
+
+/// Measured frames one after the other, from the first again after the last.
+#[derive(Debug, Clone, Copy)]
+pub struct MeasuredCost<'a>(pub &'a [Nanos]);
+
+impl FrameCost for MeasuredCost<'_> {
+    /// 0 for every frame if nothing was measured.
+    fn duration(&self, frame: &FrameInput) -> Nanos {
+        match self.0.len() as u64 {
+            0 => Nanos::ZERO,
+            n => self.0[(frame.id % n) as usize],
+        }
     }
 }
 

@@ -27,6 +27,7 @@ mod acuity;
 mod color;
 mod cost;
 mod display;
+mod durations;
 mod error;
 pub mod foveation;
 mod gaze;
@@ -44,11 +45,12 @@ mod work;
 
 pub use acuity::{Acuity, OMEGA_0_DEG, QUALITY_INDEX_DEG, SLOPE_A, SLOPE_B};
 pub use color::{Image, linear_from_srgb, srgb8_from_linear};
-pub use cost::{CostProfile, FixedCost, FrameCost, FrameInput};
+pub use cost::{CostProfile, DrawnCost, FixedCost, FrameCost, FrameInput, MeasuredCost};
 pub use display::{
-    Display, DisplaySpec, Emission, EyePanel, Geometry, HmdSpec, PixelDensity, PixelResponse,
-    PlanarSpec, ScanClock, ScanSpec,
+    Display, DisplaySpec, Emission, EyeOrder, EyePanel, Geometry, HmdSpec, LightAt, PixelDensity,
+    PixelResponse, PlanarSpec, ScanClock, ScanDirection, ScanSpec,
 };
+pub use durations::Durations;
 pub use error::{ModelError, closest, toml_error, unknown_name};
 pub use gaze::{GazeDirection, GazeMode};
 pub use geometry::{Pose, Rect, exp_so3, log_so3};
@@ -61,7 +63,7 @@ pub use rng::{Role, Stream};
 pub use series::{
     GazeSeries, Interpolate, PoseSeries, Provenance, Recording, Sample, Series, SeriesError,
 };
-pub use tracker::{Tracker, TrackerSpec};
+pub use tracker::{BiasMap, BiasMapSpec, Loss, LossSpec, Losses, Tracker, TrackerSpec};
 pub use units::{Nanos, Rate, Ticks};
 pub use view::{Eye, View, Viewport};
 pub use work::Work;

@@ -27,6 +27,16 @@ pub enum Role {
     Population = 8,
     /// When gaze steps.
     GazeStep = 9,
+    /// Rendering times.
+    RenderTime = 10,
+    /// Slippage of a headset on the face.
+    Slippage = 11,
+    /// When a tracker loses the eye.
+    Dropout = 12,
+    /// When the viewer blinks.
+    Blink = 13,
+    /// Transport of tracker samples.
+    Transport = 14,
 }
 
 /// Random numbers of one (seed, role, index): the same on any machine and any number of threads.

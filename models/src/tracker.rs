@@ -1,10 +1,16 @@
+mod bias;
+mod loss;
+
 use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
+pub use bias::{BiasMap, BiasMapSpec};
+pub use loss::{Loss, LossSpec, Losses};
+
 use crate::error::in_range;
 use crate::presets::Source;
-use crate::{ModelError, Nanos, Rate};
+use crate::{Durations, ModelError, Nanos, Rate};
 
 /// An eye tracker as people write it (TOML).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -21,15 +27,43 @@ pub struct TrackerSpec {
     pub exposure_ms: f64,
     /// Shortest and longest time from the end of exposure to the sample being delivered \[ms\].
     pub processing_ms: [f64; 2],
+    /// Measured times from the end of exposure to the sample being ready \[ms\], used instead of
+    /// `processing_ms` where there are any; each sample takes one of them.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub processing_measured_ms: Vec<f64>,
+    /// Shortest and longest time on the way to the host \[ms\].
+    #[serde(default, skip_serializing_if = "nothing")]
+    pub transport_ms: [f64; 2],
     /// Constant offset of the reported gaze (accuracy) \[deg\], applied to the right.
     #[serde(default)]
     pub bias_deg: f64,
     /// Standard deviation of the reported gaze about its mean (precision), each axis \[deg\].
     #[serde(default)]
     pub precision_deg: f64,
+    /// How far the headset slips on the face: a random walk whose standard deviation on each axis
+    /// grows to this within a minute \[deg/√min\].
+    #[serde(default, skip_serializing_if = "zero")]
+    pub slippage_deg_per_sqrt_min: f64,
+    /// Systematic error over the field of gaze, besides `bias_deg`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub bias_map: Option<BiasMapSpec>,
+    /// Short losses of track.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub dropouts: Option<LossSpec>,
+    /// Blinks of the viewer, where the gaze that is tracked has none of its own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub blinks: Option<LossSpec>,
     /// Where each number comes from, by field name.
     #[serde(default)]
     pub sources: BTreeMap<String, Source>,
+}
+
+fn nothing(range: &[f64; 2]) -> bool {
+    *range == [0.0; 2]
+}
+
+fn zero(number: &f64) -> bool {
+    *number == 0.0
 }
 
 /// A valid eye tracker.
@@ -43,32 +77,61 @@ pub struct Tracker {
     pub rate: Rate,
     /// How long an exposure lasts.
     pub exposure: Nanos,
-    /// Shortest time from the end of exposure to delivery.
-    pub processing_min: Nanos,
-    /// Longest time from the end of exposure to delivery.
-    pub processing_max: Nanos,
+    /// From the end of exposure until a sample is ready.
+    pub processing: Durations,
+    /// From there until the host has it.
+    pub transport: Durations,
     /// Offset of the reported gaze to the right \[deg\].
     pub bias_deg: f64,
     /// Standard deviation of the reported gaze, each axis \[deg\].
     pub precision_deg: f64,
+    /// Random walk of the headset on the face, each axis \[deg/√min\].
+    pub slippage_deg_per_sqrt_min: f64,
+    /// Systematic error over the field of gaze.
+    pub bias_map: Option<BiasMap>,
+    /// Short losses of track.
+    pub dropouts: Option<Loss>,
+    /// Blinks.
+    pub blinks: Option<Loss>,
+}
+
+impl Tracker {
+    /// The same tracker without error in what it reports; when it reports is unchanged.
+    #[must_use]
+    pub fn exact(self) -> Self {
+        Self {
+            bias_deg: 0.0,
+            precision_deg: 0.0,
+            slippage_deg_per_sqrt_min: 0.0,
+            bias_map: None,
+            ..self
+        }
+    }
+
+    /// The longest time for which it can see nothing.
+    pub fn longest_loss(&self) -> Nanos {
+        [&self.dropouts, &self.blinks]
+            .into_iter()
+            .flatten()
+            .map(|loss| loss.lasts.max())
+            .fold(Nanos::ZERO, Nanos::max)
+    }
 }
 
 impl TryFrom<TrackerSpec> for Tracker {
     type Error = ModelError;
 
     fn try_from(spec: TrackerSpec) -> Result<Self, ModelError> {
-        let [min, max] = spec.processing_ms;
-        for ms in [min, max] {
-            in_range("processing_ms", ms, 0.0..=10_000.0)?;
-        }
-        if max < min {
-            let value = format!("[{min}, {max}]");
-            return Err(ModelError::range(
-                "processing_ms",
-                value,
-                "[shortest, longest]",
-            ));
-        }
+        let processing = match spec.processing_measured_ms.as_slice() {
+            [] => Durations::uniform("processing_ms", spec.processing_ms)?,
+            measured => Durations::measured("processing_measured_ms", measured)?,
+        };
+        let slippage = spec.slippage_deg_per_sqrt_min;
+        in_range("slippage_deg_per_sqrt_min", slippage, 0.0..=90.0)?;
+        let loss = |field, loss: &Option<LossSpec>| match loss {
+            None => Ok(None),
+            Some(spec) => spec.build(field),
+        };
         in_range("rate_hz", spec.rate_hz, 1.0..=100_000.0)?;
         in_range("exposure_ms", spec.exposure_ms, 0.0..=10_000.0)?;
         in_range("bias_deg", spec.bias_deg, -90.0..=90.0)?;
@@ -78,10 +141,14 @@ impl TryFrom<TrackerSpec> for Tracker {
             title: spec.title,
             rate: Rate::from_hz("rate_hz", spec.rate_hz)?,
             exposure: Nanos::from_ms(spec.exposure_ms),
-            processing_min: Nanos::from_ms(min),
-            processing_max: Nanos::from_ms(max),
+            processing,
+            transport: Durations::uniform("transport_ms", spec.transport_ms)?,
             bias_deg: spec.bias_deg,
             precision_deg: spec.precision_deg,
+            slippage_deg_per_sqrt_min: slippage,
+            dropouts: loss("dropouts", &spec.dropouts)?,
+            blinks: loss("blinks", &spec.blinks)?,
+            bias_map: spec.bias_map.map(BiasMap::try_from).transpose()?,
         })
     }
 }
@@ -101,6 +168,12 @@ mod tests {
                 processing_ms: [1.0, 2.0],
                 bias_deg: 0.0,
                 precision_deg: 0.0,
+                processing_measured_ms: Vec::new(),
+                transport_ms: [0.0; 2],
+                slippage_deg_per_sqrt_min: 0.0,
+                bias_map: None,
+                dropouts: None,
+                blinks: None,
                 sources: BTreeMap::new(),
             })
         };

@@ -56,6 +56,12 @@ impl Nanos {
     pub fn max(self, other: Self) -> Self {
         Ord::max(self, other)
     }
+
+    /// The earlier of two times.
+    #[must_use]
+    pub fn min(self, other: Self) -> Self {
+        Ord::min(self, other)
+    }
 }
 
 impl fmt::Display for Nanos {
@@ -130,6 +136,17 @@ impl Rate {
     /// In hertz.
     pub fn hz(self) -> f64 {
         self.micro_hz as f64 / 1e6
+    }
+
+    /// The rate of a clock that runs faster by `ppm` parts in a million (slower, if negative), kept to
+    /// the micro-hertz.
+    ///
+    /// # Errors
+    /// If `ppm` is not within ±100,000.
+    pub fn drifted(self, field: &str, ppm: f64) -> Result<Self, ModelError> {
+        crate::error::in_range(field, ppm, -1e5..=1e5)?;
+        let micro_hz = libm::round(self.micro_hz as f64 * (1.0 + ppm * 1e-6)) as u64;
+        Ok(Self { micro_hz })
     }
 
     /// Time of tick `k` after tick 0, rounded down to a nanosecond; `k` may be negative.

@@ -33,6 +33,9 @@ const SERIES_ON_DARK: [RGBColor; 8] = [
     RGBColor(0xff, 0xb1, 0x99),
 ];
 
+/// How many colours of series there are.
+pub(crate) const COLOURS: usize = SERIES.len();
+
 /// Colour of series `i`; eight colours, then again from the first.
 pub(crate) fn series(i: usize) -> RGBColor {
     SERIES[i % SERIES.len()]

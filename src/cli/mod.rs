@@ -1,5 +1,6 @@
 //! The command-line tool: flags and glue, one file per subcommand.
 
+mod chain;
 mod context;
 mod drawing;
 mod failure;

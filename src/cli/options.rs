@@ -1,6 +1,7 @@
 //! Flags that several subcommands share, and how their texts become valid values.
 
-use foveasim_models::{Acuity, Display, Nanos, Tracker};
+use foveasim_models::{Acuity, Display, Durations, Nanos, Tracker};
+use foveasim_study::render_law;
 
 use super::Failure;
 
@@ -12,6 +13,20 @@ pub(crate) fn display(text: &str) -> Result<Display, Failure> {
 /// A tracker preset's name, or a path to a TOML file that describes one.
 pub(crate) fn tracker(text: &str) -> Result<Tracker, Failure> {
     Ok(foveasim_study::tracker(text)?)
+}
+
+/// How long frames render: `--render-ms`, `--render LAW`, or one refresh period, rounded down to the
+/// nanosecond so that a blocked host meets every vertical blank.
+pub(crate) fn render(
+    ms: Option<f64>,
+    law: Option<&str>,
+    display: &Display,
+) -> Result<Durations, Failure> {
+    Ok(match (ms, law) {
+        (Some(ms), _) => Durations::fixed(milliseconds("--render-ms", ms)?),
+        (None, Some(law)) => render_law(law)?,
+        (None, None) => Durations::fixed(display.scan.rate.period()),
+    })
 }
 
 /// An acuity slope by name, quality index or number.

@@ -1,11 +1,12 @@
 use std::path::{Path, PathBuf};
 
 use clap::ValueEnum;
-use foveasim_models::{FixedCost, GazeMode, PosePredictor};
+use foveasim_models::{DrawnCost, FrameCost, GazeMode, MeasuredCost, PosePredictor};
 use foveasim_pipeline::SyncMode;
 use foveasim_study::{Golden, ReplayOptions, replay};
 use foveasim_traces::read_path;
 
+use super::chain::ChainFlags;
 use super::trace::ReadFlags;
 use super::{Context, Failure, options};
 
@@ -42,6 +43,9 @@ pub(crate) struct Args {
     /// How long a frame renders [ms] [default: one refresh period]
     #[arg(long, value_name = "MS", allow_hyphen_values = true)]
     render_ms: Option<f64>,
+    /// How long frames render, as a law; of a csv:FILE, one measured frame after the other
+    #[arg(long, value_name = "LAW", conflicts_with = "render_ms")]
+    render: Option<String>,
     /// tracked: the fovea follows the eye; fixed: it stays at the centre
     #[arg(long, value_name = "MODE", default_value = "tracked")]
     gaze_mode: GazeMode,
@@ -58,6 +62,8 @@ pub(crate) struct Args {
     #[arg(long, value_name = "GOLDEN")]
     check: Option<PathBuf>,
     #[command(flatten)]
+    chain: ChainFlags,
+    #[command(flatten)]
     read: ReadFlags,
 }
 
@@ -73,10 +79,10 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
     let display = options::display(&args.display)?;
     let tracker = options::tracker(&args.tracker)?;
     let golden = args.check.as_deref().map(golden).transpose()?;
-    let render = match args.render_ms {
-        Some(ms) => options::milliseconds("--render-ms", ms)?,
-        None => display.scan.rate.period(),
-    };
+    let render = options::render(args.render_ms, args.render.as_deref(), &display)?;
+    let spec = args.chain.spec();
+    let chain = spec.resolve(display, tracker, args.sync, render)?;
+    let (display, tracker) = (&chain.display, &chain.tracker);
     let options = ReplayOptions {
         sync: args.sync,
         gaze_mode: args.gaze_mode,
@@ -88,6 +94,8 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
             .max_gaze_age_ms
             .map(|ms| options::milliseconds("--max-gaze-age-ms", ms))
             .transpose()?,
+        runtime: chain.runtime,
+        host_rate: Some(chain.host_rate),
         seed: ctx.seed,
     };
     let mut outputs = match &ctx.out {
@@ -95,7 +103,17 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
         None => None,
     };
     let recording = read_path(&args.file, &args.read.options())?;
-    let out = replay(&recording, &display, &tracker, &FixedCost(render), &options)?;
+    let drawn = DrawnCost {
+        law: &chain.render,
+        seed: ctx.seed,
+        run: 0,
+    };
+    let measured = chain.render.in_order().map(MeasuredCost);
+    let cost: &dyn FrameCost = match &measured {
+        Some(measured) => measured,
+        None => &drawn,
+    };
+    let out = replay(&recording, display, tracker, cost, &options)?;
     let table = out.table();
 
     for note in recording.notes.iter().chain(&out.notes) {
@@ -107,7 +125,7 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
     if let Some(mut outputs) = outputs.take() {
         outputs.add("replay.csv", table.csv());
         outputs.add("gaze_error.svg", out.gaze_error_chart().svg());
-        outputs.add("timeline.json", out.timeline(&display).json());
+        outputs.add("timeline.json", out.timeline(display).json());
         outputs.commit()?;
     }
     if let (Some(golden), Some(path)) = (golden, &args.check) {

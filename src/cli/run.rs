@@ -1,7 +1,10 @@
 use std::path::PathBuf;
 
-use foveasim_study::{MOMENT_PICTURES, ScenarioSpec, read_text};
+use foveasim_study::{
+    MARGIN_TOLERANCE_DEG, MOMENT_PICTURES, Scenario, ScenarioSpec, close_margin, read_text,
+};
 
+use super::chain::ChainFlags;
 use super::context::Format;
 use super::trace::ReadFlags;
 use super::{Context, Failure};
@@ -52,7 +55,7 @@ pub(crate) struct Args {
     /// Gaze older than this is given up [ms] [default: 250]
     #[arg(long, value_name = "MS", allow_negative_numbers = true)]
     max_gaze_age_ms: Option<f64>,
-    /// refresh, cost, or milliseconds a frame renders [default: refresh]
+    /// How long a frame renders: refresh, cost, or a LAW [default: refresh]
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     render_time: Option<String>,
     /// Cost profile of predicted times: a preset, or a TOML file [default: guenter2012]
@@ -70,12 +73,21 @@ pub(crate) struct Args {
     /// Pixels per degree at the centre of the savings map [default: 10..60:10]
     #[arg(long, value_name = "LIST")]
     ppd_centre: Option<String>,
+    /// Instead of all that: find the margin that covers the gaze error in so many of 100 displayed frames,
+    /// with frames that take what the cost profile says of the margin itself; exit 1 if there is none
+    #[arg(long, value_name = "PERCENT", allow_negative_numbers = true)]
+    close_margin: Option<f64>,
+    #[command(flatten)]
+    chain: ChainFlags,
     #[command(flatten)]
     read: ReadFlags,
 }
 
 pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
     let scenario = args.spec(ctx)?.resolve()?;
+    if let Some(percent) = args.close_margin {
+        return margin(&scenario, percent, ctx);
+    }
     // An unwritable folder is found before the work, not after.
     let mut outputs = ctx.outputs("out")?;
     let bar = ctx.progress(1000, "starting");
@@ -107,6 +119,18 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
         ))?;
     }
     Ok(())
+}
+
+fn margin(scenario: &Scenario, percent: f64, ctx: &Context) -> Result<(), Failure> {
+    let found = close_margin(scenario, percent / 100.0)?;
+    ctx.deliver_table(&found.table(), "margin.csv")?;
+    match found.closed {
+        true => Ok(()),
+        false => Err(Failure::CheckFailed(format!(
+            "the margin does not converge to {MARGIN_TOLERANCE_DEG}° within {} turns",
+            found.steps.len()
+        ))),
+    }
 }
 
 impl Args {
@@ -141,6 +165,7 @@ impl Args {
         set(&mut spec.fov, &self.fov);
         set(&mut spec.ppd_centre, &self.ppd_centre);
         set(&mut spec.seed, &ctx.seed_flag);
+        self.chain.over(&mut spec.chain);
         let read = &self.read;
         for (place, flag) in [
             (&mut spec.screen_px, read.screen_px),

@@ -148,3 +148,157 @@ fn latency_agrees_with_the_published_set_up() {
         }
     }
 }
+
+/// A chain with everything on that can be.
+const XR: [&str; 15] = [
+    "latency",
+    "--display",
+    "quest-3",
+    "--tracker",
+    "quest-pro",
+    "--render",
+    "uniform:5..6.5",
+    "--warp-ms",
+    "1.5",
+    "--lead-ms",
+    "2",
+    "--missed",
+    "reproject",
+    "--runs",
+    "5000",
+];
+
+#[test]
+fn a_runtimes_loop_is_told_by_flags() {
+    let scratch = Scratch::new();
+    let latency = |more: &[&str]| {
+        let args = [&XR[..], more, &["--format", "csv"]].concat();
+        rows(&scratch.ok(&args))
+    };
+    let p95 = |rows: &[std::collections::HashMap<String, String>], stage: &str| {
+        let row = rows.iter().find(|r| r["stage"] == stage).expect(stage);
+        number(row, "p95_ms")
+    };
+    let plain = latency(&[]);
+    let hurried = latency(&["--start", "just-in-time"]);
+    let gaze = "gaze_to_photon_gaze_row";
+    assert!(p95(&hurried, gaze) < p95(&plain, gaze) - 1.0);
+    // A warp reads the head's pose when the compositor takes the frame, whenever that was rendered.
+    let motion = "motion_to_photon_gaze_row";
+    assert_eq!(p95(&hurried, motion), p95(&plain, motion));
+    assert_eq!(p95(&plain, "compose"), 2.0);
+    let held = latency(&["--buffered-frames", "2", "--transport", "1.5"]);
+    assert!((p95(&held, "display_buffer") - 2e3 / 90.0).abs() < 1e-3);
+    assert_eq!(p95(&held, "tracker_transport"), 1.5);
+    let off = latency(&["--off", "processing,exposure,response,lead"]);
+    assert!(p95(&off, gaze) < p95(&plain, gaze) - 30.0);
+    assert!(
+        off.iter().all(|r| r["stage"] != "compose"),
+        "what is off has no row"
+    );
+}
+
+#[test]
+fn frames_and_tracker_times_can_be_measured_ones() {
+    let scratch = Scratch::new();
+    scratch.write("frames.csv", "frame,gpu_ms\n0,6.5\n1,7.25\n2,6.75\n");
+    let args = [
+        "latency",
+        "--runs",
+        "2000",
+        "--format",
+        "csv",
+        "--render",
+        "csv:frames.csv",
+    ];
+    let csv = scratch.ok(&[&args[..], &["--processing", "csv:frames.csv"]].concat());
+    let rows = rows(&csv);
+    for stage in ["render", "tracker_processing"] {
+        let row = rows.iter().find(|r| r["stage"] == stage).expect(stage);
+        let ends = [number(row, "bound_min_ms"), number(row, "bound_max_ms")];
+        assert_eq!(ends, [6.5, 7.25], "{stage}");
+    }
+}
+
+#[test]
+fn a_budget_that_does_not_hold_names_what_to_shorten() {
+    let scratch = Scratch::new();
+    scratch.ok(&["latency", "--runs", "5000", "--budget", "50ms"]);
+    let ran = scratch.run(&["latency", "--runs", "5000", "--budget", "30"]);
+    assert_eq!(ran.code, 1);
+    assert!(
+        ran.err.contains("over the budget of 30 ms: shorten "),
+        "{}",
+        ran.err
+    );
+}
+
+#[test]
+fn the_rounded_numbers_of_fig_5() {
+    let scratch = Scratch::new();
+    for (reading, worst) in [
+        ("figure", 40.0),
+        ("scan-after-wait", 42.0),
+        ("two-periods-more", 48.0),
+    ] {
+        let csv = scratch.ok(&["latency", "--reading", reading, "--format", "csv"]);
+        let rows = rows(&csv);
+        let total = rows.last().expect("a total");
+        assert_eq!(number(total, "bound_min_ms"), 23.0);
+        assert_eq!(number(total, "bound_max_ms"), worst);
+    }
+}
+
+#[test]
+fn what_does_not_fit_together_is_named() {
+    let scratch = Scratch::new();
+    scratch.write("bad.csv", "frame_ms\n8\n-1\n");
+    for (flags, part) in [
+        (
+            &["--sync", "tearing", "--lead-ms", "1"][..],
+            "compositor lead [ms] = 1",
+        ),
+        (&["--lead-ms", "1", "--warp-ms", "2"], "late warp [ms] = 2"),
+        (
+            &["--missed", "reproject"],
+            "missed-frame policy = reproject",
+        ),
+        (&["--missed", "reprojct"], "did you mean `reproject`?"),
+        (&["--frames-in-flight", "4"], "frames in flight = 4"),
+        (
+            &["--sync", "vsync-free", "--start", "just-in-time"],
+            "frame start = just-in-time",
+        ),
+        (&["--start", "soon"], "start = soon"),
+        (&["--gaze-latch-ms", "9"], "gaze latch [ms] = 9"),
+        (&["--buffered-frames", "5"], "buffered_frames = 5"),
+        (&["--eye", "right"], "eye = right"),
+        (&["--off", "exposure,rendr"], "did you mean `render`?"),
+        (&["--drift-ppm", "0,0,nan"], "want three numbers"),
+        (&["--drift-ppm", "0,0,2e5"], "drift_ppm.display = 200000"),
+        (&["--host-lock-ms", "1"], "host lock [ms] = 1"),
+        (&["--render", "uniform:9..8"], "[9, 8]"),
+        (&["--render", "csv:bad.csv"], "bad.csv: line 3 = -1"),
+        (&["--render", "csv:none.csv"], "none.csv"),
+        (&["--head-hz", "0"], "head_hz = 0"),
+        (&["--budget", "soon"], "want milliseconds"),
+    ] {
+        let ran = scratch.run(&[&["latency", "--runs", "10"], flags].concat());
+        assert_eq!(ran.code, 2, "{flags:?}: {}", ran.err);
+        assert!(ran.err.contains(part), "{flags:?}: {}", ran.err);
+    }
+}
+
+#[test]
+fn stein_2021_says_what_nobody_verified() {
+    let table = Scratch::new().ok(&["reproduce", "stein2021"]);
+    for part in [
+        "Fove-0",
+        "HTC Vive Pro Eye",
+        "least of the three",
+        "nobody could verify",
+        "processing_ms",
+    ] {
+        assert!(table.contains(part), "{part}: {table}");
+    }
+}

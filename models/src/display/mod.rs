@@ -1,6 +1,7 @@
 mod hmd;
 mod planar;
 mod scan;
+mod scan_spec;
 
 use std::collections::BTreeMap;
 
@@ -8,7 +9,8 @@ use serde::{Deserialize, Serialize};
 
 pub use hmd::HmdSpec;
 pub use planar::PlanarSpec;
-pub use scan::{Emission, PixelResponse, ScanClock, ScanSpec};
+pub use scan::{Emission, PixelResponse, ScanClock, ScanDirection};
+pub use scan_spec::{EyeOrder, LightAt, ScanSpec};
 
 use crate::presets::Source;
 use crate::{Eye, GazeDirection, ModelError, Pose, Viewport};
@@ -74,8 +76,10 @@ pub struct Display {
     pub geometry: Geometry,
     /// One image (planar), or left then right.
     pub eyes: Vec<EyePanel>,
-    /// When each row is scanned.
+    /// When each row is scanned, for the first eye.
     pub scan: ScanClock,
+    /// Whether the second eye is scanned together with the first, or after it.
+    pub eye_order: EyeOrder,
     /// When a scanned row becomes light.
     pub response: PixelResponse,
 }
@@ -103,6 +107,20 @@ impl Display {
             .iter()
             .map(|e| u64::from(e.viewport.size.x) * u64::from(e.viewport.size.y))
             .sum()
+    }
+
+    /// The same display if it holds `frames` whole frames before it scans them.
+    ///
+    /// # Errors
+    /// If they are more than 4.
+    pub fn holding(mut self, frames: u32) -> Result<Self, ModelError> {
+        self.scan.buffered_frames = scan_spec::buffered(frames)?;
+        Ok(self)
+    }
+
+    /// When each row of eye `index` is scanned.
+    pub fn scan_of_eye(&self, index: usize) -> ScanClock {
+        self.scan.of_eye(index, self.eye_order)
     }
 
     /// Field of view that any eye sees, horizontally \[deg\].
@@ -154,13 +172,14 @@ impl TryFrom<DisplaySpec> for Display {
                 ));
             }
         };
-        let (scan, response) = spec.scan.build(eyes[0].panel_px[1])?;
+        let (scan, response) = spec.scan.build(eyes[0].panel_px, eyes.len())?;
         Ok(Self {
             name: spec.name,
             title: spec.title,
             geometry,
             eyes,
             scan,
+            eye_order: spec.scan.eyes,
             response,
         })
     }

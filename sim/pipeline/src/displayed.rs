@@ -1,15 +1,33 @@
 use foveasim_models::{EyePanel, Nanos, PixelResponse, Pose, ScanClock, View};
 
-use crate::Rendered;
-use foveasim_models::Emission;
+use crate::{PoseStamp, Rendered, Warp};
 
 /// A frame on the display.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shown {
     /// Which frame, and what it knew.
     pub frame: Rendered,
+    /// When the compositor took it; at the flip, without one.
+    pub composed: Nanos,
     /// When it became the buffer that is scanned.
     pub flipped: Nanos,
+    /// How it was warped for this scan, if it was.
+    pub warp: Option<Warp>,
+}
+
+impl Shown {
+    /// When the pose was read that the picture agrees with.
+    pub fn pose_latched(&self) -> Nanos {
+        self.warp.map_or(self.frame.pose_latched, |w| w.latched)
+    }
+
+    /// The pose that the picture agrees with: the warp's, or else the frame's.
+    pub fn pose(&self) -> Option<PoseStamp> {
+        match &self.warp {
+            Some(warp) => warp.pose.or(self.frame.pose),
+            None => self.frame.pose,
+        }
+    }
 }
 
 /// Part of a scan, from one flip to the next.
@@ -31,6 +49,8 @@ pub struct Displayed {
     pub vblank: Nanos,
     /// When the next one begins.
     pub next_vblank: Nanos,
+    /// How much later the panel does what the host's scan-out does: the frames it holds.
+    pub buffered: Nanos,
     /// Row times.
     pub clock: ScanClock,
     /// From scanned to lit.
@@ -51,30 +71,22 @@ impl Displayed {
         self.segment_at(self.clock.row_offset(row)).shown.as_ref()
     }
 
-    /// When row boundary `row` is scanned.
+    /// When row boundary `row` is scanned on the panel.
     pub fn scanned(&self, row: u32) -> Nanos {
-        self.vblank + self.clock.row_offset(row)
+        self.vblank + self.buffered + self.clock.row_offset(row)
     }
 
-    /// When what is scanned at `scanned` gives light.
-    pub fn lit_after(&self, scanned: Nanos) -> Nanos {
-        self.response.settle
-            + match self.response.emission {
-                Emission::Rolling => scanned,
-                Emission::Global => self.vblank + self.clock.active(),
-            }
-    }
-
-    /// When row boundary `row` gives light.
+    /// When row boundary `row` gives the light that counts.
     pub fn lit(&self, row: u32) -> Nanos {
-        self.lit_after(self.scanned(row))
+        let offset = self.clock.row_offset(row);
+        self.vblank + self.buffered + self.clock.lit_after_blank(&self.response, offset)
     }
 
     /// What a renderer needs to draw the image that `panel` shows at boundary `row`: a still view
-    /// from the pose that frame was predicted to have (from the origin without head tracking).
+    /// from the pose that the picture agrees with (from the origin without head tracking).
     pub fn view(&self, panel: &EyePanel, row: u32) -> Option<View> {
-        let frame = &self.at_row(row)?.frame;
-        let world_from_head = frame.pose.map_or(Pose::IDENTITY, |p| p.pose);
+        let shown = self.at_row(row)?;
+        let world_from_head = shown.pose().map_or(Pose::IDENTITY, |p| p.pose);
         Some(View::still(
             panel.eye,
             panel.viewport,

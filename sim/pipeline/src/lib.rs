@@ -20,29 +20,35 @@
 //!
 //! A gaze sample reports the truth at the middle of its exposure. Head poses arrive at the host at
 //! their own time stamps. Samples are delivered in the order in which they were exposed. One frame is
-//! rendered at a time, and there is no internal buffering in the display.
+//! rendered at a time, whole, by a host whose own work on it takes no time.
 
+mod bounds;
 mod calendar;
+mod compositor;
 mod cursor;
 mod displayed;
 mod gaze_feed;
+mod host;
 mod interval;
 mod pipeline;
 mod pose_feed;
 mod rendered;
+mod runtime;
 mod setup;
 mod sink;
 mod stages;
 
+pub use bounds::{Movement, StageBounds, until};
 pub use calendar::Calendar;
 pub use cursor::Cursor;
 pub use displayed::{Displayed, Segment, Shown};
 pub use interval::Interval;
 pub use pipeline::{Pipeline, RunCounts};
-pub use rendered::{GazeStamp, PoseStamp, Rendered};
+pub use rendered::{GazeStamp, PoseStamp, Rendered, Warp};
+pub use runtime::{FrameStart, Missed, Runtime};
 pub use setup::{GazeInput, Phases, Setup, SyncMode};
 pub use sink::{Recorder, Sink};
-pub use stages::{STAGES, Stage, StageBounds, Stages};
+pub use stages::{STAGES, Sensed, Stage, Stages};
 
 #[cfg(test)]
 mod tests;

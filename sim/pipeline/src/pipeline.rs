@@ -1,20 +1,30 @@
+use std::collections::VecDeque;
 use std::ops::ControlFlow;
 
-use foveasim_models::{Emission, FrameInput, Nanos, Ticks};
+use foveasim_models::{Nanos, Ticks};
 
 use crate::gaze_feed::{GazeFeed, InFlight};
 use crate::pose_feed::PoseFeed;
-use crate::{Calendar, Displayed, GazeStamp, Rendered, Segment, Setup, Shown, Sink, SyncMode};
+use crate::{
+    Calendar, Displayed, FrameStart, GazeStamp, Rendered, Segment, Setup, Shown, Sink, SyncMode,
+};
 
 /// What happens, in the order in which simultaneous events happen.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-enum Event {
+pub(crate) enum Event {
     /// The tracker starts an exposure, or a recorded sample is read.
     Measure,
     /// The oldest sample in flight reaches the host.
     Deliver,
-    /// The frame in work is finished: before the vertical blank, so that it is on time for it.
+    /// The oldest frame that waits for its gaze reads it: after deliveries, before the frame ends.
+    LatchGaze,
+    /// The oldest frame that waits for its pose reads it.
+    LatchPose,
+    /// The frame in work is finished: before the compositor and the vertical blank, so that it is on
+    /// time for them.
     RenderEnd,
+    /// The compositor takes a frame.
+    Compose,
     /// The last row has been read.
     ScanEnd,
     /// The next scan begins.
@@ -44,6 +54,8 @@ pub struct Pipeline {
     calendar: Calendar<Event>,
     in_flight: InFlight,
     segments: Vec<Segment>,
+    in_work: VecDeque<Rendered>,
+    ready: VecDeque<Rendered>,
 }
 
 impl Default for Pipeline {
@@ -60,13 +72,16 @@ impl Pipeline {
             calendar,
             in_flight: InFlight::new(),
             segments: Vec::new(),
+            in_work: VecDeque::new(),
+            ready: VecDeque::new(),
         }
     }
 
     /// Plays `setup` from `begin` up to and including `end`, or until the sink breaks.
     ///
     /// Every clock starts with its first tick at or after `begin`. At that time no sample is in flight,
-    /// no frame is in work and the display is dark.
+    /// no frame is in work and the display is dark. What the set-up's runtime asks for must fit
+    /// together ([`Runtime::check`](crate::Runtime::check)).
     pub fn run<S: Sink>(
         &mut self,
         setup: &Setup<'_>,
@@ -77,6 +92,8 @@ impl Pipeline {
         self.calendar.reset(begin);
         self.in_flight.clear();
         self.segments.clear();
+        self.in_work.clear();
+        self.ready.clear();
         let mut run = Run::new(self, setup, begin);
         run.plan_first_events();
         while run.calendar.peek().is_some_and(|t| t <= end) {
@@ -93,35 +110,51 @@ impl Pipeline {
     }
 }
 
-/// The state of one run.
-struct Run<'p, 'a> {
-    setup: &'p Setup<'a>,
-    calendar: &'p mut Calendar<Event>,
+/// The state of one run: here its clocks and the tracker, in `host` the frames, in `compositor` how
+/// they reach the display.
+pub(crate) struct Run<'p, 'a> {
+    pub(crate) setup: &'p Setup<'a>,
+    pub(crate) calendar: &'p mut Calendar<Event>,
     in_flight: &'p mut InFlight,
-    counts: RunCounts,
+    pub(crate) counts: RunCounts,
     gaze_feed: GazeFeed<'a>,
-    pose_feed: Option<PoseFeed<'a>>,
+    pub(crate) pose_feed: Option<PoseFeed<'a>>,
     host_ticks: Ticks,
+    host_phase: Nanos,
     vblanks: Ticks,
+    /// Number of the vertical blank that `vblanks` gives next.
+    next_tick: i64,
     /// Time from the vertical blank to the end of the last row.
-    active: Nanos,
+    pub(crate) active: Nanos,
     /// The newest gaze delivered.
-    gaze: Option<GazeStamp>,
-    /// The frame in work, with its end.
-    in_work: Option<Rendered>,
-    /// A tick of the host's clock passed while a frame was in work.
-    overdue: bool,
-    frames_started: u64,
+    pub(crate) gaze: Option<GazeStamp>,
+    /// The frames in work, with their ends: the first is rendered, the others wait for it.
+    pub(crate) in_work: &'p mut VecDeque<Rendered>,
+    /// Frames started and not yet flipped, where the host waits for flips.
+    pub(crate) unflipped: u32,
+    /// A tick of the host's clock passed while no frame could be started.
+    pub(crate) overdue: bool,
+    pub(crate) frames_started: u64,
+    /// How many frames have read their gaze, and their pose.
+    pub(crate) latched: [u64; 2],
     /// When the last frame started.
-    last_start: Option<Nanos>,
+    pub(crate) last_start: Option<Nanos>,
     /// How long the last frame took: what the host expects of the next.
-    last_duration: Nanos,
-    /// Finished, not yet flipped.
-    pending: Option<Rendered>,
+    pub(crate) last_duration: Nanos,
+    /// Number of the vertical blank that the last frame started just in time is meant for.
+    pub(crate) target: i64,
+    /// Finished, not yet composed.
+    pub(crate) ready: &'p mut VecDeque<Rendered>,
+    /// Composed, not yet flipped; and whether its frame is new.
+    pub(crate) composed: Option<(Shown, bool)>,
     /// What the display reads.
-    front: Option<Shown>,
+    pub(crate) front: Option<Shown>,
+    /// The host is held to every second refresh, and has been in time for that many in a row.
+    pub(crate) halved: Option<u32>,
+    /// During which scan the last frame started.
+    pub(crate) start_scan: i64,
     /// The scan going on, or the last one; `scan.scan` is −1 before the first.
-    scan: Displayed,
+    pub(crate) scan: Displayed,
 }
 
 impl<'p, 'a> Run<'p, 'a> {
@@ -133,14 +166,17 @@ impl<'p, 'a> Run<'p, 'a> {
             host_rate,
             ..
         } = *setup;
-        let host_ticks = host_rate.ticks(host_rate.first_at_or_after(begin - phases.host));
-        let vblanks = clock
-            .rate
-            .ticks(clock.rate.first_at_or_after(begin - phases.vblank));
+        let host_phase = match setup.runtime.host_lock {
+            Some(after) => phases.vblank + after,
+            None => phases.host,
+        };
+        let host_ticks = host_rate.ticks(host_rate.first_at_or_after(begin - host_phase));
+        let next_tick = clock.rate.first_at_or_after(begin - phases.vblank);
         let scan = Displayed {
             scan: -1,
             vblank: begin,
             next_vblank: begin,
+            buffered: Nanos::ZERO,
             clock,
             response,
             segments: std::mem::take(&mut memory.segments),
@@ -153,21 +189,29 @@ impl<'p, 'a> Run<'p, 'a> {
             gaze_feed: GazeFeed::new(setup, begin),
             pose_feed: PoseFeed::new(setup),
             host_ticks,
-            vblanks,
+            host_phase,
+            vblanks: clock.rate.ticks(next_tick),
+            next_tick,
             active: clock.active(),
             gaze: None,
-            in_work: None,
+            in_work: &mut memory.in_work,
+            unflipped: 0,
             overdue: false,
             frames_started: 0,
+            latched: [0; 2],
             last_start: None,
             last_duration: clock.rate.period(),
-            pending: None,
+            target: i64::MIN,
+            ready: &mut memory.ready,
+            composed: None,
             front: None,
+            halved: None,
+            start_scan: -1,
             scan,
         }
     }
 
-    fn plan(&mut self, at: Nanos, event: Event) {
+    pub(crate) fn plan(&mut self, at: Nanos, event: Event) {
         self.calendar.schedule(at, event as u8, event);
     }
 
@@ -176,6 +220,8 @@ impl<'p, 'a> Run<'p, 'a> {
         self.plan_vblank();
         if self.setup.sync != SyncMode::Vsync {
             self.plan_host_tick();
+        } else if let FrameStart::JustInTime { reserve } = self.setup.runtime.start {
+            self.plan_just_in_time(reserve);
         }
     }
 
@@ -185,16 +231,34 @@ impl<'p, 'a> Run<'p, 'a> {
         }
     }
 
-    fn plan_vblank(&mut self) {
+    pub(crate) fn plan_vblank(&mut self) {
         if let Some(t) = self.vblanks.next() {
+            self.next_tick += 1;
             self.scan.next_vblank = self.setup.phases.vblank + t;
             self.plan(self.scan.next_vblank, Event::Vblank);
+            let lead = self.setup.runtime.lead;
+            if lead > Nanos::ZERO {
+                let deadline = (self.scan.next_vblank - lead).max(self.calendar.now());
+                self.plan(deadline, Event::Compose);
+            }
+        }
+    }
+
+    /// How much later than the vertical blank going on the panel does what it is told in it.
+    pub(crate) fn buffered(&self) -> Nanos {
+        match self.setup.scan.buffered_frames {
+            0 => Nanos::ZERO,
+            n => {
+                // Of the blank before the one that is planned.
+                let (rate, tick) = (self.setup.scan.rate, self.next_tick - 2);
+                rate.tick(tick + i64::from(n)) - rate.tick(tick)
+            }
         }
     }
 
     fn plan_host_tick(&mut self) {
         if let Some(t) = self.host_ticks.next() {
-            self.plan(self.setup.phases.host + t, Event::HostTick);
+            self.plan(self.host_phase + t, Event::HostTick);
         }
     }
 
@@ -206,7 +270,10 @@ impl<'p, 'a> Run<'p, 'a> {
         match event {
             Event::Measure => self.measure(),
             Event::Deliver => return self.deliver(sink),
+            Event::LatchGaze => self.latch_gaze(),
+            Event::LatchPose => self.latch_pose(),
             Event::RenderEnd => return self.render_end(sink),
+            Event::Compose => self.compose(self.scan.next_vblank),
             Event::ScanEnd => {
                 self.counts.scans += 1;
                 return sink.displayed(&self.scan);
@@ -214,19 +281,9 @@ impl<'p, 'a> Run<'p, 'a> {
             Event::Vblank => self.vblank(),
             Event::HostTick => {
                 self.plan_host_tick();
-                if self.in_work.is_some() {
-                    self.overdue = true;
-                } else {
-                    self.start_frame();
-                }
+                self.host_tick();
             }
-            Event::FrameStart => {
-                // A tick at the same time may have started it already, and it may have ended already.
-                let started = self.last_start == Some(self.calendar.now());
-                if self.in_work.is_none() && !started {
-                    self.start_frame();
-                }
-            }
+            Event::FrameStart => self.frame_start(),
         }
         ControlFlow::Continue(())
     }
@@ -247,121 +304,5 @@ impl<'p, 'a> Run<'p, 'a> {
         self.counts.delivered += 1;
         self.gaze = Some(sample);
         sink.delivered(&sample)
-    }
-
-    /// The host reads gaze and pose, and starts rendering.
-    fn start_frame(&mut self) {
-        let now = self.calendar.now();
-        self.overdue = false;
-        self.last_start = Some(now);
-        let gaze = self
-            .gaze
-            .filter(|g| now - g.middle() <= self.setup.gaze_max_age);
-        let pose = match &mut self.pose_feed {
-            None => None,
-            Some(_) => {
-                let shown = self.expected_photon_time(now);
-                self.pose_feed
-                    .as_mut()
-                    .and_then(|feed| feed.predict(now, shown))
-            }
-        };
-        let id = self.frames_started;
-        self.frames_started += 1;
-        let input = FrameInput {
-            id,
-            start: now,
-            gaze: gaze.map(|g| g.value),
-            pose: pose.map(|p| p.pose),
-        };
-        let duration = self.setup.cost.duration(&input).max(Nanos::ZERO);
-        self.last_duration = duration;
-        let end = now + duration;
-        self.in_work = Some(Rendered {
-            id,
-            start: now,
-            end,
-            gaze,
-            pose,
-        });
-        self.plan(end, Event::RenderEnd);
-    }
-
-    /// When the host expects the middle row of a frame started at `now` to be lit, if it takes as long
-    /// as the frame before (the first: one refresh).
-    fn expected_photon_time(&self, now: Nanos) -> Nanos {
-        let finished = now + self.last_duration;
-        let flipped = match self.setup.sync {
-            SyncMode::Tearing => finished,
-            SyncMode::VsyncFree | SyncMode::Vsync => {
-                let (rate, phase) = (self.setup.scan.rate, self.setup.phases.vblank);
-                // A frame that starts at a blank cannot flip at the same one.
-                let earliest = finished.max(now + Nanos(1));
-                phase + rate.tick(rate.first_at_or_after(earliest - phase))
-            }
-        };
-        let scanned = match self.setup.response.emission {
-            Emission::Rolling => Nanos(self.active.0 / 2),
-            Emission::Global => self.active,
-        };
-        flipped + scanned + self.setup.response.settle
-    }
-
-    fn render_end<S: Sink>(&mut self, sink: &mut S) -> ControlFlow<()> {
-        let now = self.calendar.now();
-        let frame = self.in_work.take().expect("a frame that ends was in work");
-        self.counts.frames += 1;
-        if self.setup.sync == SyncMode::Tearing {
-            self.front = Some(Shown {
-                frame,
-                flipped: now,
-            });
-            self.tear(now);
-        } else {
-            self.pending = Some(frame);
-        }
-        if self.overdue {
-            self.plan(now, Event::FrameStart);
-        }
-        sink.rendered(&frame)
-    }
-
-    /// The rest of the scan going on reads the new front buffer.
-    fn tear(&mut self, now: Nanos) {
-        let from = now - self.scan.vblank;
-        if self.scan.scan < 0 || from >= self.active {
-            return; // before the first scan, or in blanking
-        }
-        let segment = Segment {
-            from,
-            shown: self.front,
-        };
-        match self.scan.segments.last_mut() {
-            Some(last) if last.from == from => *last = segment,
-            _ => self.scan.segments.push(segment),
-        }
-    }
-
-    /// The newest finished frame flips (it did at once when tearing); a scan begins.
-    fn vblank(&mut self) {
-        let now = self.calendar.now();
-        if let Some(frame) = self.pending.take() {
-            self.front = Some(Shown {
-                frame,
-                flipped: now,
-            });
-        }
-        self.scan.scan += 1;
-        self.scan.vblank = now;
-        self.scan.segments.clear();
-        self.scan.segments.push(Segment {
-            from: Nanos::ZERO,
-            shown: self.front,
-        });
-        self.plan_vblank();
-        self.plan(now + self.active, Event::ScanEnd);
-        if self.setup.sync == SyncMode::Vsync && self.in_work.is_none() {
-            self.plan(now, Event::FrameStart);
-        }
     }
 }

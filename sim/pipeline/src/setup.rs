@@ -6,6 +6,8 @@ use foveasim_models::{
     PoseSeries, Rate, ScanClock, Tracker, unknown_name,
 };
 
+use crate::Runtime;
+
 /// When a finished frame reaches the display, and when the host starts the next one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum SyncMode {
@@ -85,6 +87,8 @@ pub struct Setup<'a> {
     pub tracker: &'a Tracker,
     /// How host and display are coupled.
     pub sync: SyncMode,
+    /// How frames are paced, latched and composed; see [`Runtime::check`].
+    pub runtime: Runtime,
     /// How often a free-running host is due to start a frame. A frame that overruns delays the next,
     /// which then starts as soon as it ends; later ones are back on the grid.
     pub host_rate: Rate,
@@ -133,6 +137,7 @@ impl<'a> Setup<'a> {
             response,
             tracker,
             sync,
+            runtime: Runtime::default(),
             host_rate: scan.rate,
             cost,
             phases: Phases::default(),

@@ -1,8 +1,11 @@
-use foveasim_models::{Emission, Nanos, Rate};
+use foveasim_models::Nanos;
 
-use crate::{GazeStamp, Interval, Rendered, Setup, SyncMode};
+use crate::{Displayed, GazeStamp, Rendered, Shown};
 
-/// A leg of the way from an eye movement to light, in order.
+/// A leg of the way from a movement to light, in order.
+///
+/// A movement of the head takes the same way as one of the eye, but for the first four: there they
+/// are the wait for the next head sample, nothing twice, and the head tracker's delay.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[repr(usize)]
 pub enum Stage {
@@ -10,30 +13,46 @@ pub enum Stage {
     TrackerWait,
     /// The exposure.
     TrackerExposure,
-    /// From the end of the exposure to delivery.
+    /// From the end of the exposure until the sample is ready.
     TrackerProcessing,
-    /// From delivery to the start of the frame that uses it.
+    /// From there to delivery.
+    TrackerTransport,
+    /// From delivery until a frame reads it: at its start, or where it latches.
     FrameWait,
-    /// Rendering.
+    /// From there until rendering begins: earlier frames are rendered first.
+    FrameQueue,
+    /// Rendering, from there or from the latch.
     Render,
-    /// From the end of rendering until the display reads the frame, or a newer one.
+    /// From the end of rendering until the compositor (without one: the display) takes the frame, or
+    /// a newer one.
     FlipWait,
-    /// From the flip until the row is scanned.
+    /// From there until the display reads it: the compositor's lead, late warp included.
+    Compose,
+    /// Frames held in the display.
+    DisplayBuffer,
+    /// From there until the row is scanned.
     ScanWait,
     /// From scanned to lit.
     PixelResponse,
+    /// From first lit to the light that counts.
+    Persistence,
 }
 
 /// All stages in order.
-pub const STAGES: [Stage; 8] = [
+pub const STAGES: [Stage; 13] = [
     Stage::TrackerWait,
     Stage::TrackerExposure,
     Stage::TrackerProcessing,
+    Stage::TrackerTransport,
     Stage::FrameWait,
+    Stage::FrameQueue,
     Stage::Render,
     Stage::FlipWait,
+    Stage::Compose,
+    Stage::DisplayBuffer,
     Stage::ScanWait,
     Stage::PixelResponse,
+    Stage::Persistence,
 ];
 
 impl Stage {
@@ -43,11 +62,51 @@ impl Stage {
             Self::TrackerWait => "tracker_wait",
             Self::TrackerExposure => "tracker_exposure",
             Self::TrackerProcessing => "tracker_processing",
+            Self::TrackerTransport => "tracker_transport",
             Self::FrameWait => "frame_wait",
+            Self::FrameQueue => "frame_queue",
             Self::Render => "render",
             Self::FlipWait => "flip_wait",
+            Self::Compose => "compose",
+            Self::DisplayBuffer => "display_buffer",
             Self::ScanWait => "scan_wait",
             Self::PixelResponse => "pixel_response",
+            Self::Persistence => "persistence",
+        }
+    }
+
+    /// Whether every chain has it. The others belong to parts that can be off, and are then left out
+    /// of tables.
+    pub fn is_basic(self) -> bool {
+        !matches!(
+            self,
+            Self::TrackerTransport
+                | Self::FrameQueue
+                | Self::Compose
+                | Self::DisplayBuffer
+                | Self::Persistence
+        )
+    }
+}
+
+/// When a sample of the eye or the head was made, and when the host had it.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Sensed {
+    /// The measurement begins (exposure), ends, is ready, and is delivered.
+    pub times: [Nanos; 4],
+}
+
+impl From<&GazeStamp> for Sensed {
+    fn from(gaze: &GazeStamp) -> Self {
+        let GazeStamp {
+            exposure_start,
+            exposure_end,
+            processed,
+            delivered,
+            ..
+        } = *gaze;
+        Self {
+            times: [exposure_start, exposure_end, processed, delivered],
         }
     }
 }
@@ -57,26 +116,69 @@ impl Stage {
 pub struct Stages([Nanos; STAGES.len()]);
 
 impl Stages {
-    /// The way of an eye movement at `moved` through a gaze sample and `frame`, flipped, scanned and
-    /// lit as given. `gaze` is the first sample that saw the movement; the first frame to start after
-    /// its delivery may already use a newer one.
-    pub fn new(
+    /// The way of an eye movement at `moved` through a gaze sample and `frame`, to row boundary `row`
+    /// of `scan`, which shows `shown`. `gaze` is the first sample that saw the movement; the first
+    /// frame to read the gaze after its delivery may already use a newer one, and what is shown may be
+    /// a newer frame.
+    pub fn of_gaze(
         moved: Nanos,
         gaze: &GazeStamp,
         frame: &Rendered,
-        flipped: Nanos,
-        scanned: Nanos,
-        lit: Nanos,
+        shown: &Shown,
+        scan: &Displayed,
+        row: u32,
     ) -> Self {
+        let rendered = [frame.gaze_latched, frame.begun, frame.end];
+        Self::new(moved, gaze.into(), rendered, shown, scan, row)
+    }
+
+    /// The way of a head movement at `moved` through a head sample, and `frame` or else the warp of
+    /// what is shown.
+    pub fn of_motion(
+        moved: Nanos,
+        head: Sensed,
+        frame: &Rendered,
+        shown: &Shown,
+        scan: &Displayed,
+        row: u32,
+    ) -> Self {
+        let rendered = match &shown.warp {
+            Some(warp) => [warp.latched; 3],
+            None => [frame.pose_latched, frame.begun, frame.end],
+        };
+        // A warp of an old frame is composed when it latches; the frame was long before.
+        let shown = Shown {
+            composed: shown.composed.max(rendered[2]),
+            flipped: shown.flipped.max(scan_flip(shown, scan)),
+            ..*shown
+        };
+        Self::new(moved, head, rendered, &shown, scan, row)
+    }
+
+    fn new(
+        moved: Nanos,
+        sensed: Sensed,
+        [latched, begun, end]: [Nanos; 3],
+        shown: &Shown,
+        scan: &Displayed,
+        row: u32,
+    ) -> Self {
+        let [exposure_start, exposure_end, processed, delivered] = sensed.times;
+        let lit = scan.lit(row);
         let times = [
             moved,
-            gaze.exposure_start,
-            gaze.exposure_end,
-            gaze.delivered,
-            frame.start,
-            frame.end,
-            flipped,
-            scanned,
+            exposure_start,
+            exposure_end,
+            processed,
+            delivered,
+            latched,
+            begun.max(latched),
+            end,
+            shown.composed,
+            shown.flipped,
+            shown.flipped + scan.buffered,
+            scan.scanned(row),
+            lit - scan.response.to_counted_light,
             lit,
         ];
         Self(std::array::from_fn(|i| times[i + 1] - times[i]))
@@ -93,89 +195,10 @@ impl Stages {
     }
 }
 
-/// The shortest and the longest time of each stage, for frames that all take the same time, whatever
-/// the phases of the clocks.
-///
-/// All clocks tick at whole nanoseconds, so a period may be one nanosecond longer than its rate says;
-/// the bounds include it.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct StageBounds {
-    stages: [Interval; STAGES.len()],
-    /// Longest time between vertical blanks.
-    pub refresh: Nanos,
-    /// Longest time from the start of a frame to the start of the next.
-    pub host_cycle: Nanos,
-}
-
-impl StageBounds {
-    /// Bounds for the row that is scanned `row` after the vertical blank, if every frame of `setup`
-    /// renders for `render`.
-    pub fn new(setup: &Setup<'_>, render: Nanos, row: Nanos) -> Self {
-        let tracker = setup.tracker;
-        let refresh = longest(setup.scan.rate, 1);
-        let (host_cycle, flip_wait) = match setup.sync {
-            SyncMode::Tearing => (render.max(longest(setup.host_rate, 1)), Interval::ZERO),
-            SyncMode::VsyncFree => (
-                render.max(longest(setup.host_rate, 1)),
-                Interval::new(Nanos::ZERO, refresh),
-            ),
-            SyncMode::Vsync => blocked(setup.scan.rate, render),
-        };
-        let scan_wait = match setup.sync {
-            SyncMode::Tearing => Interval::new(Nanos::ZERO, refresh),
-            SyncMode::VsyncFree | SyncMode::Vsync => Interval::exactly(row),
-        };
-        let hold = match setup.response.emission {
-            Emission::Rolling => Nanos::ZERO,
-            Emission::Global => setup.scan.active() - row,
-        };
-        Self {
-            stages: [
-                Interval::new(Nanos::ZERO, longest(tracker.rate, 1)),
-                Interval::exactly(tracker.exposure),
-                Interval::new(tracker.processing_min, tracker.processing_max),
-                Interval::new(Nanos::ZERO, host_cycle),
-                Interval::exactly(render),
-                flip_wait,
-                scan_wait,
-                Interval::exactly(hold + setup.response.settle),
-            ],
-            refresh,
-            host_cycle,
-        }
+/// A picture warped anew for this scan counts as flipped with it.
+fn scan_flip(shown: &Shown, scan: &Displayed) -> Nanos {
+    match &shown.warp {
+        Some(warp) if warp.latched > shown.composed => scan.vblank,
+        _ => shown.flipped,
     }
-
-    /// Bounds of one stage.
-    pub fn get(&self, stage: Stage) -> Interval {
-        self.stages[stage as usize]
-    }
-
-    /// From the eye movement to the end of `stage`.
-    pub fn until(&self, stage: Stage) -> Interval {
-        self.stages[..=stage as usize].iter().copied().sum()
-    }
-
-    /// The whole way, to the row's light.
-    pub fn total(&self) -> Interval {
-        self.until(Stage::PixelResponse)
-    }
-}
-
-/// The longest time that `n` periods can take between ticks of whole nanoseconds.
-fn longest(rate: Rate, n: i64) -> Nanos {
-    -rate.tick(-n)
-}
-
-/// A host blocked on swap: its cycle, and the wait from the end of a frame to the vertical blank.
-fn blocked(rate: Rate, render: Nanos) -> (Nanos, Interval) {
-    // Most and fewest periods, at least one: with the shortest and with the longest rounding.
-    let most = rate.first_at_or_after(render).max(1);
-    let fewest = if most > 1 && longest(rate, most - 1) >= render {
-        most - 1
-    } else {
-        most
-    };
-    let first = rate.tick(fewest).max(render);
-    let cycle = longest(rate, most);
-    (cycle, Interval::new(first - render, cycle - render))
 }

@@ -1,6 +1,6 @@
 use foveasim_models::{
-    Emission, FixedCost, FrameCost, FrameInput, GazeDirection, GazeSeries, Nanos, PixelResponse,
-    Provenance, Rate, Sample, ScanClock, Series, Tracker,
+    Durations, Emission, FixedCost, FrameCost, FrameInput, GazeDirection, GazeSeries, Nanos,
+    PixelResponse, Provenance, Rate, Sample, ScanClock, Series, Tracker,
 };
 use proptest::prelude::*;
 
@@ -15,27 +15,27 @@ fn tracker(processing: [i64; 2]) -> Tracker {
         title: String::new(),
         rate: Rate::from_hz("f", 250.0).unwrap(),
         exposure: Nanos(2_000_000),
-        processing_min: Nanos(processing[0]),
-        processing_max: Nanos(processing[1]),
+        processing: Durations::uniform("p", processing.map(|t| Nanos(t).as_ms())).unwrap(),
+        transport: Durations::ZERO,
         bias_deg: 0.0,
         precision_deg: 0.0,
+        slippage_deg_per_sqrt_min: 0.0,
+        bias_map: None,
+        dropouts: None,
+        blinks: None,
     }
 }
 
 /// 100 Hz, 100 rows, 9 ms of picture and 1 ms of blanking, 3 ms to switch.
 fn panel(emission: Emission) -> (ScanClock, PixelResponse) {
     let rate = Rate::from_hz("f", 100.0).unwrap();
-    let clock = ScanClock {
-        rate,
-        rows: 100,
-        active_lines: 9,
-        total_lines: 10,
-    };
+    let clock = ScanClock::new(rate, 100, [9, 10]);
     (
         clock,
         PixelResponse {
             settle: Nanos(3_000_000),
             emission,
+            ..PixelResponse::default()
         },
     )
 }
@@ -114,8 +114,9 @@ fn exact_times_of_a_blocked_host() {
     );
     let s = d.at_row(50).unwrap();
     let gaze = s.frame.gaze.unwrap();
-    let stages = Stages::new(ms(3), &gaze, &s.frame, s.flipped, d.scanned(50), d.lit(50));
-    let parts: Vec<_> = STAGES.iter().map(|x| stages.get(*x)).collect();
+    let stages = Stages::of_gaze(ms(3), &gaze, &s.frame, s, d, 50);
+    let basic = STAGES.iter().filter(|x| x.is_basic());
+    let parts: Vec<_> = basic.map(|x| stages.get(*x)).collect();
     // wait 1, expose 2, process 1, wait for the frame 3, render 6, for the flip 4, for the row 4.5, switch 3
     assert_eq!(
         parts,
@@ -333,8 +334,8 @@ proptest! {
     ) {
         let tracker = tracker([processing[0], processing[0] + processing[1]]);
         let rate = Rate::from_hz("f", 100.0).unwrap();
-        let scan = ScanClock { rate, rows: 37, active_lines: lines.0, total_lines: lines.0 + lines.1 };
-        let response = PixelResponse { settle: ms(3), emission: Emission::Rolling };
+        let scan = ScanClock::new(rate, 37, [lines.0, lines.0 + lines.1]);
+        let response = PixelResponse { settle: ms(3), ..PixelResponse::default() };
         let cost = FixedCost(Nanos(render));
         let mut setup = Setup::new(scan, response, &tracker, sync, &cost);
         let [exposure, host, vblank] = phases.map(Nanos);
@@ -348,7 +349,7 @@ proptest! {
         prop_assert!(r.delivered.is_sorted_by_key(|g| g.exposure_start));
         for g in &r.delivered {
             let processed = g.delivered - g.exposure_end;
-            prop_assert!(tracker.processing_min <= processed && processed <= tracker.processing_max);
+            prop_assert!(tracker.processing.min() <= processed && processed <= tracker.processing.max());
         }
         for pair in r.rendered.windows(2) {
             prop_assert!(pair[0].start < pair[1].start);

@@ -1,28 +1,38 @@
-//! How long from a movement of the eye to the light that answers it: Monte Carlo over the phases of
-//! all clocks, beside exact bounds.
+//! How long from a movement of the eye, or of the head, to the light that answers it: Monte Carlo over
+//! the phases of all clocks, beside exact bounds.
 //!
 //! The set-up of Guenter 2012, §4.1, unrounded: gaze steps at a uniformly random time; the first
-//! exposure to *start* afterwards sees it; the first frame to start after delivery uses it. Every run
-//! is a run of [`Pipeline`] with its own phases, the same chain that replays recordings.
+//! exposure to *start* afterwards sees it; the first frame to read the gaze after delivery uses it. The
+//! head moves at the same time. Every run is a run of [`Pipeline`] with its own phases, the same chain
+//! that replays recordings.
 
 mod band;
 mod charts;
 mod histogram;
 mod observer;
 mod quantity;
+mod reading;
+mod result;
+mod sensitivity;
 
-use foveasim_models::{Display, FixedCost, GazeDirection, Nanos, Role, Stream, Tracker};
-use foveasim_pipeline::{
-    GazeInput, Interval, Phases, Pipeline, STAGES, Setup, Stage, StageBounds, SyncMode,
+use foveasim_models::{
+    Display, DrawnCost, Durations, FixedCost, ModelError, Nanos, Role, Stream, Tracker,
 };
-use foveasim_reports::{Cell, Table};
+use foveasim_pipeline::{
+    Interval, Movement, Phases, Pipeline, Runtime, Sensed, Setup, Stage, StageBounds, SyncMode,
+};
 use rayon::prelude::*;
 use thiserror::Error;
 
 pub use band::Band;
+pub use charts::tornado;
 pub use histogram::Histogram;
-pub use quantity::{QUANTITIES, Quantity};
+pub use quantity::{QUANTITIES, Quantity, ROWS, Rows};
+pub use reading::{FIG5_READINGS, Fig5Reading, Fig5Result};
+pub use result::LatencyResult;
+pub use sensitivity::{Budget, KNOBS, Knob, Sensitivity, sensitivity_table};
 
+use crate::Chain;
 use observer::Observer;
 
 /// Why a latency study cannot be made.
@@ -39,6 +49,9 @@ pub enum LatencyError {
         /// What would be valid.
         valid: String,
     },
+    /// Parts of the chain that do not fit each other.
+    #[error(transparent)]
+    Chain(#[from] ModelError),
 }
 
 /// The longest rendering time of a study.
@@ -50,14 +63,11 @@ pub const MAX_RUNS: u64 = 1_000_000_000;
 /// Runs simulated by one thread before the next chunk is handed out.
 const CHUNK: u64 = 1 << 14;
 
-/// A valid study: a display, a tracker, how they are coupled, and what to look at.
+/// A valid study: a chain, and where to look.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LatencyStudy {
-    display: Display,
     /// Its reported gaze is exact: accuracy does not change latency.
-    tracker: Tracker,
-    sync: SyncMode,
-    render: Nanos,
+    chain: Chain,
     band: Band,
 }
 
@@ -72,17 +82,8 @@ pub struct RunStart {
     /// When the simulation begins, at or before 0: the first frame starts with the first tick from
     /// here on.
     pub begin: Nanos,
-}
-
-/// The distributions found by a study.
-#[derive(Debug, Clone, PartialEq)]
-pub struct LatencyResult {
-    /// One for each of [`QUANTITIES`].
-    pub histograms: Vec<Histogram>,
-    /// Exact bounds, in the same order.
-    pub bounds: Vec<Interval>,
-    /// How many events were simulated.
-    pub events: u64,
+    /// From the head's movement, at 0 too, to the next head sample.
+    pub head_wait: Nanos,
 }
 
 impl LatencyStudy {
@@ -108,20 +109,33 @@ impl LatencyStudy {
                 valid,
             });
         }
-        let band = band.unwrap_or(Band::about(display.scan.rows / 2, display.scan.rows));
-        band.check(display.scan.rows)?;
-        let tracker = Tracker {
-            bias_deg: 0.0,
-            precision_deg: 0.0,
-            ..tracker
-        };
-        Ok(Self {
-            display,
-            tracker,
-            sync,
-            render,
+        let render = Durations::fixed(render);
+        Self::of(
+            Chain {
+                render,
+                ..Chain::new(display, tracker, sync)
+            },
             band,
-        })
+        )
+    }
+
+    /// A study of a whole chain.
+    ///
+    /// # Errors
+    /// If its parts do not fit each other, or the band is not on the display.
+    pub fn of(chain: Chain, band: Option<Band>) -> Result<Self, LatencyError> {
+        chain.check()?;
+        let rows = chain.display.scan.rows;
+        let band = band.unwrap_or(Band::about(rows / 2, rows));
+        band.check(rows)?;
+        let tracker = chain.tracker.clone().exact();
+        let chain = Chain { tracker, ..chain };
+        Ok(Self { chain, band })
+    }
+
+    /// The chain, with a tracker that makes no errors.
+    pub fn chain(&self) -> &Chain {
+        &self.chain
     }
 
     /// The rows looked at.
@@ -129,59 +143,50 @@ impl LatencyStudy {
         self.band
     }
 
-    /// How long every frame renders.
-    pub fn render(&self) -> Nanos {
-        self.render
+    fn stage_bounds(&self, movement: Movement) -> StageBounds {
+        let chain = &self.chain;
+        let none = FixedCost(Nanos::ZERO);
+        let setup = chain.setup(&none, Phases::default());
+        let row = chain.scan().row_offset(self.band.gaze);
+        StageBounds::new(&setup, chain.render_range(), row, movement)
     }
 
-    fn setup<'a>(&'a self, cost: &'a FixedCost, phases: Phases) -> Setup<'a> {
-        let Display { scan, response, .. } = &self.display;
-        let gaze = GazeInput::Constant(GazeDirection::AHEAD);
-        let setup = Setup::new(*scan, *response, &self.tracker, self.sync, cost);
-        Setup {
-            phases,
-            gaze,
-            gaze_max_age: Nanos::MAX,
-            ..setup
-        }
+    fn edges(&self) -> band::Edges {
+        let response = self.chain.display.response;
+        self.band.edges(self.chain.scan(), response)
     }
 
-    fn stage_bounds(&self) -> StageBounds {
-        let cost = FixedCost(self.render);
-        let row = self.display.scan.row_offset(self.band.gaze);
-        StageBounds::new(&self.setup(&cost, Phases::default()), self.render, row)
-    }
-
-    /// The exact shortest and longest time of every quantity, by interval arithmetic: the clocks'
-    /// phases are independent, so extremes of the parts are extremes of the whole.
+    /// The exact shortest and longest time of every quantity, by interval analysis; what is exact, and
+    /// where a bound need not be reached, is said of [`StageBounds`].
     pub fn bounds(&self) -> Vec<Interval> {
-        let stages = self.stage_bounds();
-        let edges = self.band.edges(&self.display);
-        QUANTITIES
-            .iter()
-            .map(|q| q.bounds(&stages, &edges, self.sync))
-            .collect()
+        Frame::new(self).all
     }
 
     /// Draws the clocks of run number `run`: independent and uniform.
     pub fn draw(&self, seed: u64, run: u64) -> RunStart {
-        let bounds = self.stage_bounds();
-        self.draw_within(&bounds, seed, run)
+        self.draw_within(&Frame::new(self), seed, run)
     }
 
-    fn draw_within(&self, bounds: &StageBounds, seed: u64, run: u64) -> RunStart {
+    fn draw_within(&self, frame: &Frame, seed: u64, run: u64) -> RunStart {
+        let [bounds, head] = &frame.bounds;
         let mut stream = Stream::new(seed, Role::Phase, run);
         let mut within = |span: Nanos| Nanos(stream.below(span.0 as u64) as i64);
         let phases = Phases {
-            exposure: within(bounds.get(Stage::TrackerWait).max),
-            host: within(bounds.refresh),
+            exposure: within(frame.exposures),
+            host: within(frame.host_period),
             vblank: within(bounds.refresh),
         };
         // A scan must be going on when gaze steps; and a host that overruns its clock keeps the phase
         // it began with: that must be uniform too.
+        let begin = -bounds.refresh - within(bounds.host_cycle) - frame.settling;
+        let head_wait = match head.get(Stage::TrackerWait).max {
+            Nanos::ZERO => Nanos::ZERO,
+            longest => within(longest),
+        };
         RunStart {
             phases,
-            begin: -bounds.refresh - within(bounds.host_cycle),
+            begin,
+            head_wait,
         }
     }
 
@@ -204,13 +209,22 @@ impl LatencyStudy {
         run: u64,
         start: RunStart,
     ) -> (LatencySample, u64) {
-        let cost = FixedCost(self.render);
+        let cost = DrawnCost {
+            law: &self.chain.render,
+            seed,
+            run,
+        };
         let setup = Setup {
             seed,
             run,
-            ..self.setup(&cost, start.phases)
+            ..self.chain.setup(&cost, start.phases)
         };
-        let mut observer = Observer::new(Nanos::ZERO, frame.edges);
+        let sampled = start.head_wait;
+        let known = sampled + self.chain.head.delay;
+        let head = Sensed {
+            times: [sampled, sampled, sampled, known],
+        };
+        let mut observer = Observer::new(Nanos::ZERO, head, frame.edges);
         let counts = pipeline.run(&setup, start.begin, frame.end, &mut observer);
         let sample = observer
             .sample()
@@ -230,33 +244,31 @@ impl LatencyStudy {
         seed: u64,
         progress: &(dyn Fn(u64) + Sync),
     ) -> Result<LatencyResult, LatencyError> {
-        if !(1..=MAX_RUNS).contains(&runs) {
-            let valid = format!("from 1 to {MAX_RUNS}");
-            return Err(LatencyError::OutOfRange {
-                field: "runs",
-                value: runs.to_string(),
-                valid,
-            });
-        }
-        let bounds = self.bounds();
+        check_runs(runs)?;
         let frame = Frame::new(self);
+        let bounds = frame.all.clone();
         let empty = || Partial {
             histograms: bounds.iter().map(|b| Histogram::new(*b)).collect(),
             pipeline: Pipeline::new(),
+            extremes: [[None; 2]; 2],
             events: 0,
         };
         let Partial {
-            histograms, events, ..
+            histograms,
+            events,
+            extremes,
+            ..
         } = (0..runs.div_ceil(CHUNK))
             .into_par_iter()
             .fold(empty, |mut partial, chunk| {
                 let first = chunk * CHUNK;
                 let last = (first + CHUNK).min(runs);
                 for run in first..last {
-                    let start = self.draw_within(&frame.bounds, seed, run);
+                    let start = self.draw_within(&frame, seed, run);
                     let (sample, events) =
                         self.simulate_within(&frame, &mut partial.pipeline, seed, run, start);
                     partial.events += events;
+                    partial.see(run, &sample);
                     for (histogram, t) in partial.histograms.iter_mut().zip(sample) {
                         histogram.add(t);
                     }
@@ -268,111 +280,133 @@ impl LatencyStudy {
         Ok(LatencyResult {
             histograms,
             bounds,
+            extremes: extremes
+                .map(|pair| pair.map(|run| run.expect("there was at least one run").sample)),
             events,
         })
     }
 }
 
+fn check_runs(runs: u64) -> Result<(), LatencyError> {
+    match runs {
+        1..=MAX_RUNS => Ok(()),
+        _ => Err(LatencyError::OutOfRange {
+            field: "runs",
+            value: runs.to_string(),
+            valid: format!("from 1 to {MAX_RUNS}"),
+        }),
+    }
+}
+
 /// What all runs of a study share.
 struct Frame {
-    bounds: StageBounds,
+    /// Of gaze and of motion.
+    bounds: [StageBounds; 2],
+    /// Of every quantity.
+    all: Vec<Interval>,
     edges: band::Edges,
+    /// Longest time between exposures, and between ticks of the host's clock.
+    exposures: Nanos,
+    host_period: Nanos,
+    /// What the loop needs, from its start, to run as it always does.
+    settling: Nanos,
     /// By then every quantity has been seen.
     end: Nanos,
 }
 
+/// The most frames for which a loop is given time to settle: a queue that frames fill more slowly
+/// than that is as good as empty.
+const MOST_SETTLING: i64 = 64;
+
 impl Frame {
     fn new(study: &LatencyStudy) -> Self {
-        let bounds = study.stage_bounds();
-        let edges = study.band.edges(&study.display);
-        // The last answer comes at most two scans after the first flip, plus the end of its scan.
-        let end = bounds.total().max + bounds.refresh * 4;
-        Self { bounds, edges, end }
+        let chain = &study.chain;
+        let gaze = study.stage_bounds(Movement::Gaze);
+        let head = study.stage_bounds(chain.head_movement());
+        let edges = study.edges();
+        let longest = gaze.total().max.max(head.total().max);
+        let all = QUANTITIES.iter().map(|q| {
+            let stages = if q.is_motion() { &head } else { &gaze };
+            q.bounds(stages, &edges, chain.sync)
+        });
+        let (render, period) = (chain.render.max(), -chain.host_rate.tick(-1));
+        let settling = match chain.runtime == Runtime::default() {
+            true => Nanos::ZERO,
+            // A free host fills its queue by what each frame takes too long.
+            false if chain.sync != SyncMode::Vsync && render > period => {
+                let ahead = i64::from(chain.runtime.in_flight);
+                let frames = ahead * render.0 / (render - period).0 + ahead;
+                render * frames.min(MOST_SETTLING)
+            }
+            false => gaze.host_cycle * 4 + gaze.refresh * 4,
+        };
+        Self {
+            all: all.collect(),
+            edges,
+            exposures: -chain.tracker.rate.tick(-1),
+            // A host at the display's rate may be given the display's own rounding.
+            host_period: match chain.host_rate == chain.display.scan.rate {
+                true => gaze.refresh,
+                false => period,
+            },
+            settling,
+            // The last answer comes at most two scans after the first flip, plus the end of its scan.
+            end: longest + gaze.refresh * 4,
+            bounds: [gaze, head],
+        }
     }
 }
 
 struct Partial {
     histograms: Vec<Histogram>,
     pipeline: Pipeline,
+    /// Fastest and slowest, of gaze and of motion.
+    extremes: [[Option<Extreme>; 2]; 2],
     events: u64,
 }
 
+/// A run that is faster, or slower, than all others; of equals, the first.
+#[derive(Debug, Clone, Copy)]
+struct Extreme {
+    time: Nanos,
+    run: u64,
+    sample: LatencySample,
+}
+
 impl Partial {
+    fn see(&mut self, run: u64, sample: &LatencySample) {
+        for (pair, of) in self
+            .extremes
+            .iter_mut()
+            .zip([Quantity::Gaze, Quantity::Motion])
+        {
+            let time = sample[of(Rows::Gaze).index()];
+            for (slowest, best) in pair.iter_mut().enumerate() {
+                let beaten = best.is_none_or(|b| match slowest {
+                    0 => (time, run) < (b.time, b.run),
+                    _ => (-time, run) < (-b.time, b.run),
+                });
+                if beaten {
+                    let sample = *sample;
+                    *best = Some(Extreme { time, run, sample });
+                }
+            }
+        }
+    }
+
     fn merge(mut self, other: Self) -> Self {
         for (mine, theirs) in self.histograms.iter_mut().zip(&other.histograms) {
             mine.merge(theirs);
         }
         self.events += other.events;
+        for pair in other.extremes {
+            for extreme in pair.into_iter().flatten() {
+                self.see(extreme.run, &extreme.sample);
+            }
+        }
         self
     }
 }
-
-impl LatencyResult {
-    /// The distribution of one quantity.
-    pub fn histogram(&self, quantity: Quantity) -> &Histogram {
-        &self.histograms[quantity.index()]
-    }
-
-    /// The first quantity, if any, that was measured outside its bounds: then one of the two is wrong.
-    pub fn outside_bounds(&self) -> Option<Quantity> {
-        QUANTITIES.into_iter().find(|q| {
-            let (h, b) = (self.histogram(*q), self.bounds[q.index()]);
-            !(b.contains(h.min()) && b.contains(h.max()))
-        })
-    }
-
-    /// One row per quantity: quantiles and mean of the simulation, then the exact bounds.
-    pub fn table(&self) -> Table {
-        let mut table = Table::new([
-            "stage",
-            "min_ms",
-            "p5_ms",
-            "p50_ms",
-            "mean_ms",
-            "p95_ms",
-            "p99_ms",
-            "max_ms",
-            "bound_min_ms",
-            "bound_max_ms",
-        ]);
-        for (quantity, bound) in QUANTITIES.into_iter().zip(&self.bounds) {
-            let h = self.histogram(quantity);
-            let values = [
-                h.min().as_ms(),
-                h.quantile_ms(0.05),
-                h.quantile_ms(0.5),
-                h.mean_ms(),
-                h.quantile_ms(0.95),
-                h.quantile_ms(0.99),
-                h.max().as_ms(),
-                bound.min.as_ms(),
-                bound.max.as_ms(),
-            ];
-            let row = std::iter::once(quantity.name().into());
-            table.push(row.chain(values.map(Cell::from)).collect());
-        }
-        table
-    }
-
-    /// All histograms, for drawing: `bins` equal bins over each quantity's bounds, with the fraction
-    /// of the runs in each.
-    pub fn histogram_table(&self, bins: usize) -> Table {
-        let mut table = Table::new(["stage", "from_ms", "to_ms", "fraction"]);
-        for quantity in QUANTITIES {
-            for (from, to, fraction) in self.histogram(quantity).coarse(bins) {
-                table.push(vec![
-                    quantity.name().into(),
-                    from.into(),
-                    to.into(),
-                    fraction.into(),
-                ]);
-            }
-        }
-        table
-    }
-}
-
-const _: () = assert!(QUANTITIES.len() == STAGES.len() + 4);
 
 #[cfg(test)]
 mod tests;

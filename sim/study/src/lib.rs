@@ -11,6 +11,7 @@
 //! * [`Guenter2012`]: a paper's tables and figures, ours beside theirs;
 //! * [`Scenario`] and [`run()`]: all of it, in one report.
 
+mod chain;
 mod events;
 mod frame;
 mod latency;
@@ -27,25 +28,30 @@ mod sweep;
 mod temporal;
 mod tracks;
 
+pub use chain::{Chain, ChainSpec, DriftSpec, HeadSampling, PARTS, Part, render_law};
 pub use events::EventStudy;
 pub use frame::{Drawing, FrameError, FrameOutcome, FrameStudy, Shot, Sight};
 pub use latency::{
-    Band, Histogram, LatencyError, LatencyResult, LatencySample, LatencyStudy, MAX_RUNS,
-    QUANTITIES, Quantity, RunStart,
+    Band, Budget, FIG5_READINGS, Fig5Reading, Fig5Result, Histogram, KNOBS, Knob, LatencyError,
+    LatencyResult, LatencySample, LatencyStudy, MAX_RUNS, QUANTITIES, Quantity, ROWS, Rows,
+    RunStart, Sensitivity, sensitivity_table, tornado,
 };
 pub use numbers::parse_numbers;
 pub use prediction::{ErrorSpread, Prediction, PredictionRow, PredictionStudy};
 pub use recording::recording_table;
 pub use replay::{
     Difference, GazeState, Golden, REPLAY_COLUMNS, Replay, ReplayError, ReplayFrame, ReplayOptions,
-    ReplaySummary, Spread, replay,
+    ReplayRun, ReplaySummary, Spread, replay, replay_each,
 };
 pub use reproduce::{
     Antialiasing, Column, Guenter2012, Guenter2012Outcome, LatencyBars, LatencyRow, Payoff,
-    PayoffRow, Predicted, PredictedRow, QualityRow, QualitySweep, ReproduceError, Table1,
-    Table1Cell, TimeFit, Times,
+    PayoffRow, Predicted, PredictedRow, QualityRow, QualitySweep, ReproduceError, Stein2021,
+    SteinRow, Table1, Table1Cell, TimeFit, Times,
 };
-pub use run::{MOMENT_PICTURES, MethodSaving, Moment, PlanCost, Run, RunError, Savings, run};
+pub use run::{
+    MARGIN_TOLERANCE_DEG, MOMENT_PICTURES, MarginLoop, MarginStep, MethodSaving, Moment, PlanCost,
+    Run, RunError, Savings, close_margin, run,
+};
 pub use scanlines::{ImageKind, ScanlineErrors, ScanlineStudy, Scanlines};
 pub use scenario::{
     GazeSource, MapGrid, RenderTime, Scenario, ScenarioError, ScenarioSpec, cost, display,

@@ -9,10 +9,10 @@ mod summary;
 mod timeline;
 
 use foveasim_models::{
-    Display, FrameCost, GazeDirection, GazeMode, GazeSeries, Geometry, Nanos, PosePredictor,
-    PoseSeries, Provenance, Recording, Role, Stream, Tracker,
+    Display, FrameCost, GazeDirection, GazeMode, GazeSeries, Geometry, ModelError, Nanos,
+    PosePredictor, PoseSeries, Provenance, Rate, Recording, Role, Stream, Tracker,
 };
-use foveasim_pipeline::{GazeInput, Phases, Pipeline, RunCounts, Setup, SyncMode};
+use foveasim_pipeline::{GazeInput, Phases, Pipeline, RunCounts, Runtime, Setup, SyncMode};
 use foveasim_reports::Table;
 use glam::DVec2;
 use thiserror::Error;
@@ -27,6 +27,9 @@ use observer::Observer;
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum ReplayError {
+    /// The parts of the runtime's loop do not fit each other.
+    #[error(transparent)]
+    Runtime(ModelError),
     /// Nothing was recorded.
     #[error("{origin}: no samples at all; a replay needs gaze or head poses")]
     Empty {
@@ -94,6 +97,10 @@ pub struct ReplayOptions {
     /// Gaze older than this when a frame starts is given up, and the fovea goes to the centre.
     /// `None`: the pipeline's default.
     pub gaze_max_age: Option<Nanos>,
+    /// How frames are paced, latched and composed.
+    pub runtime: Runtime,
+    /// How often a free-running host starts a frame; `None`: at the display's rate.
+    pub host_rate: Option<Rate>,
     /// Seed of the clocks' phases, the tracker's processing times and its noise.
     pub seed: u64,
 }
@@ -105,6 +112,8 @@ impl Default for ReplayOptions {
             gaze_mode: GazeMode::Tracked,
             predictor: PosePredictor::Linear,
             gaze_max_age: None,
+            runtime: Runtime::default(),
+            host_rate: None,
             seed: 1,
         }
     }
@@ -125,12 +134,22 @@ pub struct Replay {
     pub notes: Vec<String>,
 }
 
-/// Replays `recording` on `display`.
-///
-/// Recorded truth is seen through `tracker`; a tracker's own output is delivered at its own time
-/// stamps, and the truth at time t is what it reports at t + delay. A lost gaze leaves the fovea where
-/// it was until it is too old, then the fovea goes to the centre; [`GazeState`] says which. A planar
-/// display is watched with a still head.
+/// What a replay is about as a whole.
+#[derive(Debug, Clone, PartialEq)]
+pub struct ReplayRun {
+    /// Displayed frames.
+    pub frames: u64,
+    /// Scans before the first frame was finished.
+    pub dark_scans: u64,
+    /// When the recording starts; tables count from here.
+    pub start: Nanos,
+    /// How much was simulated.
+    pub counts: RunCounts,
+    /// What had to be assumed; one sentence each.
+    pub notes: Vec<String>,
+}
+
+/// Replays `recording` on `display` and keeps every displayed frame; [`replay_each`] keeps none.
 ///
 /// # Errors
 /// If there is nothing to replay, or its times cannot be used.
@@ -141,12 +160,52 @@ pub fn replay(
     cost: &dyn FrameCost,
     options: &ReplayOptions,
 ) -> Result<Replay, ReplayError> {
+    let mut frames = Vec::new();
+    let run = replay_each(recording, display, tracker, cost, options, |frame| {
+        frames.push(frame);
+    })?;
+    Ok(Replay {
+        frames,
+        dark_scans: run.dark_scans,
+        start: run.start,
+        counts: run.counts,
+        notes: run.notes,
+    })
+}
+
+/// Replays `recording` on `display` and gives each displayed frame to `each`, in order. Beside the
+/// recording itself, memory does not grow with its length.
+///
+/// Recorded truth is seen through `tracker`; a tracker's own output is delivered at its own time
+/// stamps, and the truth at time t is what it reports at t + delay. A lost gaze leaves the fovea where
+/// it was until it is too old, then the fovea goes to the centre; [`GazeState`] says which. A planar
+/// display is watched with a still head.
+///
+/// # Errors
+/// If there is nothing to replay, or its times cannot be used; no frame was given then, unless the
+/// recording is too short for any.
+pub fn replay_each(
+    recording: &Recording,
+    display: &Display,
+    tracker: &Tracker,
+    cost: &dyn FrameCost,
+    options: &ReplayOptions,
+    mut each: impl FnMut(ReplayFrame),
+) -> Result<ReplayRun, ReplayError> {
     let (start, end) = span(recording, display)?;
     let mut notes = Vec::new();
     let pose = pose_of(recording, display, &mut notes);
     let gaze = gaze_of(recording, options.gaze_mode, pose.is_some(), &mut notes)?;
 
     let mut setup = Setup::new(display.scan, display.response, tracker, options.sync, cost);
+    options
+        .runtime
+        .check(options.sync, display.scan.rate)
+        .map_err(ReplayError::Runtime)?;
+    setup.runtime = options.runtime;
+    if let Some(rate) = options.host_rate {
+        setup.host_rate = rate;
+    }
     setup.phases = phases(&setup, options.seed, start);
     setup.seed = options.seed;
     setup.predictor = options.predictor;
@@ -173,27 +232,29 @@ pub fn replay(
         ));
     }
     let fresh = fresh_age(&setup, options.gaze_mode, gaze);
-    let mut observer = Observer::new(display, &setup, options.gaze_mode, gaze, fresh, end);
+    let (mut frames, mut beyond) = (0u64, 0u64);
+    let see = |frame: ReplayFrame| {
+        frames += 1;
+        beyond += u64::from(frame.true_gaze.is_some_and(|g| !on_display(display, g)));
+        each(frame);
+    };
+    let mode = options.gaze_mode;
+    let mut observer = Observer::new(display, &setup, mode, gaze, fresh, end, see);
     let counts = Pipeline::new().run(&setup, start, end, &mut observer);
-    let (frames, dark_scans) = observer.into_frames();
-    if frames.is_empty() {
+    let dark_scans = observer.dark_scans();
+    if frames == 0 {
         return Err(ReplayError::Duration {
             origin: recording.source.clone(),
             seconds: (end - start).as_secs(),
             valid: "long enough for a frame to reach the display".into(),
         });
     }
-    let beyond = frames
-        .iter()
-        .filter(|f| f.true_gaze.is_some_and(|g| !on_display(display, g)))
-        .count();
     if beyond > 0 {
         notes.push(format!(
-            "the eye looks beyond the display in {beyond} of {} displayed frames",
-            frames.len()
+            "the eye looks beyond the display in {beyond} of {frames} displayed frames"
         ));
     }
-    Ok(Replay {
+    Ok(ReplayRun {
         frames,
         dark_scans,
         start,
@@ -346,7 +407,10 @@ fn fresh_age(setup: &Setup<'_>, mode: GazeMode, gaze: Option<&GazeSeries>) -> Na
                     .get(steps.len() / 2)
                     .map_or(Nanos::ZERO, |step| *step * 2)
         }
-        _ => tracker.exposure + tracker.processing_max + tracker.rate.period() * 2,
+        _ => {
+            let longest = tracker.exposure + tracker.processing.max() + tracker.transport.max();
+            longest + tracker.rate.period() * 2
+        }
     }
 }
 

@@ -1,4 +1,5 @@
-//! A paper's tables and figures, ours beside theirs: Guenter et al., *Foveated 3D Graphics*, 2012.
+//! Papers' tables and figures, ours beside theirs: Guenter et al., *Foveated 3D Graphics*, 2012, and the
+//! latencies of Stein et al., 2021.
 
 mod antialiasing;
 mod latency;
@@ -10,6 +11,7 @@ mod predicted;
 mod quality;
 mod quality_charts;
 mod shooter;
+mod stein;
 mod table1;
 
 use std::time::Duration;
@@ -29,6 +31,7 @@ pub use payoff::{Payoff, PayoffRow};
 pub use predicted::{Predicted, PredictedRow};
 pub use quality::{QualityRow, QualitySweep, TimeFit};
 pub use shooter::{Antialiasing, Times};
+pub use stein::{Stein2021, SteinRow};
 pub use table1::{Table1, Table1Cell};
 
 use crate::{FrameError, LatencyError, TemporalQuality};

@@ -2,24 +2,28 @@
 //! what foveation saves, and report.
 
 mod cost;
+mod margin;
 mod moments;
 mod page;
 mod savings;
 
 use foveasim_models::math::mean;
-use foveasim_models::{FrameCost, ModelError, Nanos, Recording};
+use foveasim_models::{
+    DrawnCost, Durations, FrameCost, MeasuredCost, ModelError, Nanos, Recording,
+};
 use foveasim_quality::Measures;
 use foveasim_reports::{ReportError, Table};
 use foveasim_traces::{SynthSpec, TraceError};
 use thiserror::Error;
 
 pub use cost::PlanCost;
+pub use margin::{MARGIN_TOLERANCE_DEG, MarginLoop, MarginStep, close_margin};
 pub use moments::{MOMENT_PICTURES, Moment};
 pub use savings::{MethodSaving, Savings};
 
 use crate::{
     FrameError, GazeSource, LatencyError, LatencyResult, LatencyStudy, Quantity, RenderTime,
-    Replay, ReplayError, Scenario, recording_table, replay,
+    Replay, ReplayError, Rows, Scenario, recording_table, replay,
 };
 
 /// Why a run cannot be made.
@@ -105,9 +109,19 @@ fn recording(scenario: &Scenario) -> Result<Recording, RunError> {
 }
 
 fn replay_recording(scenario: &Scenario, recording: &Recording) -> Result<Replay, RunError> {
-    let plan_cost;
+    let (plan_cost, measured, drawn);
     let cost: &dyn FrameCost = match &scenario.render_time {
-        RenderTime::Fixed(fixed) => fixed,
+        RenderTime::Law(law) => match law.in_order() {
+            Some(frames) => {
+                measured = MeasuredCost(frames);
+                &measured
+            }
+            None => {
+                let seed = scenario.spec.seed;
+                drawn = DrawnCost { law, seed, run: 0 };
+                &drawn
+            }
+        },
         RenderTime::Cost => {
             plan_cost = PlanCost::new(scenario, scenario.featured())?;
             &plan_cost
@@ -125,12 +139,11 @@ fn replay_recording(scenario: &Scenario, recording: &Recording) -> Result<Replay
 /// Latency of the featured method, gaze at the centre. A cost profile's time is taken at its mean over
 /// the layers' cadence.
 fn latency(scenario: &Scenario, savings: &Savings) -> Result<LatencyResult, RunError> {
-    let render = match scenario.render_time {
-        RenderTime::Fixed(fixed) => fixed.0,
-        RenderTime::Cost => Nanos::from_ms(savings.featured().predicted_ms),
-    };
-    let (display, tracker) = (scenario.display.clone(), scenario.tracker.clone());
-    let study = LatencyStudy::new(display, tracker, scenario.sync, Some(render), None)?;
+    let mut chain = scenario.chain.clone();
+    if scenario.render_time == RenderTime::Cost {
+        chain.render = Durations::fixed(Nanos::from_ms(savings.featured().predicted_ms));
+    }
+    let study = LatencyStudy::of(chain, None)?;
     Ok(study.run(scenario.spec.runs, scenario.spec.seed, &|_| ())?)
 }
 
@@ -138,7 +151,7 @@ impl Run {
     /// The answer in one sentence.
     pub fn answer(&self, scenario: &Scenario) -> String {
         let featured = self.savings.featured();
-        let photon = self.latency.histogram(Quantity::LastRow);
+        let photon = self.latency.histogram(Quantity::Gaze(Rows::Last));
         let replay = self.replay.summary();
         let error = replay.gaze_error_deg.map_or_else(
             || "the true gaze is not known".to_owned(),

@@ -8,9 +8,11 @@ use std::path::{Path, PathBuf};
 use foveasim_models::{ModelError, toml_error};
 use serde::{Deserialize, Deserializer, Serialize};
 
+pub(crate) use devices::read_text_up_to;
 pub use devices::{cost, display, read_text, tracker};
 pub use resolve::{GazeSource, MapGrid, RenderTime, Scenario, ScenarioError};
 
+use crate::ChainSpec;
 use devices::as_file;
 
 /// Everything that `foveasim run` can be told, as people write it: a scenario file (TOML) and the
@@ -55,7 +57,7 @@ pub struct ScenarioSpec {
     /// Gaze older than this is given up, and the fovea goes to the centre \[ms\].
     pub max_gaze_age_ms: f64,
     /// How long the pipeline lets a frame render: `refresh` (one refresh period), `cost` (the cost
-    /// profile on each frame's own samples), or milliseconds.
+    /// profile on each frame's own samples), or a law of durations ([`render_law`](crate::render_law)).
     #[serde(deserialize_with = "text_or_number")]
     pub render_time: String,
     /// Cost profile for predicted frame times: a preset's name, or a TOML file.
@@ -72,6 +74,13 @@ pub struct ScenarioSpec {
     pub ppd_centre: String,
     /// Seed of everything random.
     pub seed: u64,
+    /// The loop between tracker and display.
+    #[serde(skip_serializing_if = "is_default")]
+    pub chain: ChainSpec,
+}
+
+fn is_default(chain: &ChainSpec) -> bool {
+    *chain == ChainSpec::default()
 }
 
 /// Text, or a number where the text would be one: `slope = 0.0275` is as good as `slope = "0.0275"`.
@@ -117,6 +126,7 @@ impl Default for ScenarioSpec {
             fov: "40..120:10".into(),
             ppd_centre: "10..60:10".into(),
             seed: 1,
+            chain: ChainSpec::default(),
         }
     }
 }
@@ -135,6 +145,17 @@ impl ScenarioSpec {
     pub fn relative_to(mut self, folder: &Path) -> Self {
         if let Some(trace) = &mut self.trace {
             *trace = folder.join(&trace);
+        }
+        for law in [
+            Some(&mut self.render_time),
+            self.chain.processing.as_mut(),
+            self.chain.transport.as_mut(),
+        ] {
+            if let Some(law) = law
+                && let Some(path) = law.strip_prefix("csv:")
+            {
+                *law = format!("csv:{}", folder.join(path).display());
+            }
         }
         for name in [&mut self.display, &mut self.tracker, &mut self.cost] {
             if let Some(path) = as_file(name) {

@@ -1,4 +1,4 @@
-use foveasim_models::{Display, Emission, Nanos, PixelResponse};
+use foveasim_models::{Nanos, PixelResponse, ScanClock};
 
 use super::LatencyError;
 
@@ -59,35 +59,37 @@ impl Band {
         Ok(())
     }
 
-    pub(super) fn edges(self, display: &Display) -> Edges {
-        let at = |row| display.scan.row_offset(row);
+    /// When the band's boundaries are scanned by `clock`.
+    pub(super) fn edges(self, clock: ScanClock, response: PixelResponse) -> Edges {
+        let at = |row| clock.row_offset(row);
+        let (top, bottom) = (at(self.top), at(self.bottom));
         Edges {
-            top: at(self.top),
+            first: top.min(bottom),
             gaze: at(self.gaze),
-            bottom: at(self.bottom),
-            active: display.scan.active(),
-            response: display.response,
+            last: top.max(bottom),
+            row: self.gaze,
+            clock,
+            response,
         }
     }
 }
 
-/// A [`Band`] in time: when after the vertical blank each boundary is scanned.
+/// A [`Band`] in time: when after the vertical blank each boundary is scanned, from the edge that is
+/// scanned first.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Edges {
-    pub(super) top: Nanos,
+    pub(super) first: Nanos,
     pub(super) gaze: Nanos,
-    pub(super) bottom: Nanos,
-    pub(super) active: Nanos,
+    pub(super) last: Nanos,
+    /// The row gazed at.
+    pub(super) row: u32,
+    clock: ScanClock,
     pub(super) response: PixelResponse,
 }
 
 impl Edges {
     /// When what is scanned `offset` after the vertical blank is lit, from the vertical blank on.
     pub(super) fn lit(&self, offset: Nanos) -> Nanos {
-        self.response.settle
-            + match self.response.emission {
-                Emission::Rolling => offset,
-                Emission::Global => self.active,
-            }
+        self.clock.lit_after_blank(&self.response, offset)
     }
 }

@@ -1,84 +1,148 @@
 use std::ops::ControlFlow;
 
 use foveasim_models::Nanos;
-use foveasim_pipeline::{Displayed, GazeStamp, Rendered, STAGES, Segment, Sink, Stages};
+use foveasim_pipeline::{
+    Displayed, GazeStamp, Rendered, STAGES, Segment, Sensed, Shown, Sink, Stage, Stages,
+};
 
 use super::LatencySample;
 use super::band::Edges;
-use super::quantity::{QUANTITIES, Quantity};
+use super::quantity::{QUANTITIES, Quantity, ROWS, Rows};
 
-/// Waits for the rows of the inner layer to be lit from frames that knew of the eye movement.
+/// Waits for the rows of the inner layer to be lit from pictures that knew of a movement of the eye,
+/// and of one of the head at the same time.
 #[derive(Debug)]
 pub(super) struct Observer {
     moved: Nanos,
-    edges: Edges,
     /// The first gaze sample that saw the movement.
     gaze: Option<GazeStamp>,
+    /// The first head sample that did.
+    head: Sensed,
+    answers: [Answer; 2],
+}
+
+/// How one movement is answered.
+#[derive(Debug)]
+struct Answer {
+    edges: Edges,
     /// The first frame that knew.
     first: Option<Rendered>,
-    /// When a frame that knew was first read by the display, and how far the beam had come in that
-    /// scan.
-    flip: Option<(Nanos, Nanos)>,
-    first_row: Option<Nanos>,
-    gaze_row: Option<(Nanos, Nanos)>,
-    last_row: Option<Nanos>,
-    complete_pass: Option<Nanos>,
+    /// The first picture that knew, and how far the beam had come when the display began to read it.
+    flip: Option<(Shown, Nanos)>,
+    /// When the rows were lit, and the stages on the way to the gaze row.
+    lit: [Option<Nanos>; 4],
+    stages: Option<Stages>,
 }
 
 impl Observer {
-    /// Waits for the answer to a movement at `moved`.
-    pub(super) fn new(moved: Nanos, edges: Edges) -> Self {
+    /// Waits for the answer to movements at `moved`; the host knows of the head's as `head` says.
+    pub(super) fn new(moved: Nanos, head: Sensed, edges: Edges) -> Self {
         Self {
             moved,
-            edges,
             gaze: None,
-            first: None,
-            flip: None,
-            first_row: None,
-            gaze_row: None,
-            last_row: None,
-            complete_pass: None,
+            head,
+            answers: [Answer::new(edges), Answer::new(edges)],
         }
     }
 
     /// What was measured, once everything has been.
     pub(super) fn sample(&self) -> Option<LatencySample> {
-        let (flipped, _) = self.flip?;
-        let (scanned, lit) = self.gaze_row?;
-        let (gaze, frame) = (self.gaze.as_ref()?, self.first.as_ref()?);
-        let stages = Stages::new(self.moved, gaze, frame, flipped, scanned, lit);
-        let (first, last, pass) = (self.first_row?, self.last_row?, self.complete_pass?);
         let mut sample = [Nanos::ZERO; QUANTITIES.len()];
-        for stage in STAGES {
-            sample[stage as usize] = stages.get(stage);
-        }
-        sample[Quantity::FirstRow.index()] = first - self.moved;
-        sample[Quantity::GazeRow.index()] = lit - self.moved;
-        sample[Quantity::LastRow.index()] = last - self.moved;
-        sample[Quantity::CompletePass.index()] = pass - self.moved;
+        let [gaze, head] = &self.answers;
+        let moved = self.moved;
+        gaze.measured(moved, Quantity::Stage, Quantity::Gaze, &mut sample)?;
+        head.measured(moved, Quantity::MotionStage, Quantity::Motion, &mut sample)?;
         Some(sample)
+    }
+}
+
+impl Answer {
+    fn new(edges: Edges) -> Self {
+        Self {
+            edges,
+            first: None,
+            flip: None,
+            lit: [None; 4],
+            stages: None,
+        }
+    }
+
+    /// Writes what was measured since `moved` to its places; `None` if not all has been.
+    fn measured(
+        &self,
+        moved: Nanos,
+        stage_of: fn(Stage) -> Quantity,
+        rows_of: fn(Rows) -> Quantity,
+        sample: &mut LatencySample,
+    ) -> Option<()> {
+        let stages = self.stages?;
+        for stage in STAGES {
+            sample[stage_of(stage).index()] = stages.get(stage);
+        }
+        for rows in ROWS {
+            sample[rows_of(rows).index()] = self.lit[rows as usize]? - moved;
+        }
+        Some(())
+    }
+
+    fn is_complete(&self) -> bool {
+        self.lit[Rows::CompletePass as usize].is_some()
+    }
+
+    /// Looks at a scan. `knows` judges pictures; `stages` is asked once, for the first picture that
+    /// knew and the scan that renewed the gaze row.
+    fn look(
+        &mut self,
+        scan: &Displayed,
+        knows: impl Fn(&Shown) -> bool,
+        stages: impl FnOnce(&Shown, &Displayed) -> Option<Stages>,
+    ) {
+        if self.is_complete() {
+            return;
+        }
+        let (from, above) = match self.flip {
+            Some((_, from)) => (Nanos::ZERO, Some(from)),
+            None => {
+                let knowing = |s: &&Segment| s.shown.as_ref().is_some_and(&knows);
+                let segment = scan.segments.iter().find(knowing);
+                let Some((segment, shown)) = segment.and_then(|s| Some((s, s.shown?))) else {
+                    return;
+                };
+                self.flip = Some((shown, segment.from));
+                (segment.from, None)
+            }
+        };
+        self.renew(scan, from, above);
+        if self.lit[Rows::Gaze as usize].is_some()
+            && self.stages.is_none()
+            && let Some((shown, _)) = self.flip
+        {
+            self.stages = stages(&shown, scan);
+        }
     }
 
     /// A scan whose rows from `from` on knew; those above were renewed no earlier than at `above`, the
     /// beam's place in the scan before, if they wait since then.
-    fn scan(&mut self, vblank: Nanos, from: Nanos, above: Option<Nanos>) {
+    fn renew(&mut self, scan: &Displayed, from: Nanos, above: Option<Nanos>) {
         let edges = self.edges;
         let Edges {
-            top, gaze, bottom, ..
+            first, gaze, last, ..
         } = edges;
-        let lit = |offset: Nanos| vblank + edges.lit(offset);
-        if from < bottom || from <= top {
-            self.first_row.get_or_insert_with(|| lit(top.max(from)));
+        let lit = |offset: Nanos| scan.vblank + scan.buffered + edges.lit(offset);
+        let mut set = |rows: Rows, offset: Nanos| {
+            self.lit[rows as usize].get_or_insert_with(|| lit(offset));
+        };
+        if from < last || from <= first {
+            set(Rows::First, first.max(from));
         }
         if from <= gaze {
-            self.gaze_row
-                .get_or_insert_with(|| (vblank + gaze, lit(gaze)));
+            set(Rows::Gaze, gaze);
         }
-        if from <= top {
+        if from <= first {
             // The beam was inside the layer at the flip: the row just above it is the last one.
-            let last = above.filter(|a| top < *a && *a < bottom).unwrap_or(bottom);
-            self.last_row.get_or_insert_with(|| lit(last));
-            self.complete_pass.get_or_insert_with(|| lit(bottom));
+            let above = above.filter(|a| first < *a && *a < last);
+            set(Rows::Last, above.unwrap_or(last));
+            set(Rows::CompletePass, last);
         }
     }
 }
@@ -92,32 +156,41 @@ impl Sink for Observer {
     }
 
     fn rendered(&mut self, frame: &Rendered) -> ControlFlow<()> {
+        let [gaze, head] = &mut self.answers;
         if frame.gaze.is_some_and(|g| g.exposure_start >= self.moved) {
-            self.first.get_or_insert(*frame);
+            gaze.first.get_or_insert(*frame);
+        }
+        if frame.pose_latched >= self.head.times[3] {
+            head.first.get_or_insert(*frame);
         }
         ControlFlow::Continue(())
     }
 
     fn displayed(&mut self, scan: &Displayed) -> ControlFlow<()> {
-        let Some(first) = &self.first else {
-            return ControlFlow::Continue(());
-        };
-        match self.flip {
-            None => {
-                let knows = |s: &&Segment| s.shown.is_some_and(|shown| shown.frame.id >= first.id);
-                let segment = scan.segments.iter().find(knows);
-                if let Some((segment, shown)) = segment.and_then(|s| Some((s, s.shown?))) {
-                    self.flip = Some((shown.flipped, segment.from));
-                    self.scan(scan.vblank, segment.from, None);
-                }
-            }
-            Some((_, from)) => self.scan(scan.vblank, Nanos::ZERO, Some(from)),
+        let (moved, sensed, known) = (self.moved, self.head, self.head.times[3]);
+        let [gaze, head] = &mut self.answers;
+        if let (Some(first), Some(sample)) = (gaze.first, self.gaze) {
+            let row = gaze.edges.row;
+            gaze.look(
+                scan,
+                |shown| shown.frame.id >= first.id,
+                |shown, scan| Some(Stages::of_gaze(moved, &sample, &first, shown, scan, row)),
+            );
         }
+        let (row, first) = (head.edges.row, head.first);
+        head.look(
+            scan,
+            |shown| shown.pose_latched() >= known,
+            |shown, scan| {
+                // A warp may know before any frame does.
+                let frame = first.unwrap_or(shown.frame);
+                Some(Stages::of_motion(moved, sensed, &frame, shown, scan, row))
+            },
+        );
         // Every row is known once a whole scan is.
-        if self.complete_pass.is_some() {
-            ControlFlow::Break(())
-        } else {
-            ControlFlow::Continue(())
+        match self.answers.iter().all(Answer::is_complete) {
+            true => ControlFlow::Break(()),
+            false => ControlFlow::Continue(()),
         }
     }
 }

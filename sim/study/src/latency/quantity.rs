@@ -1,106 +1,164 @@
 use foveasim_models::{Emission, Nanos};
-use foveasim_pipeline::{Interval, STAGES, Stage, StageBounds, SyncMode};
+use foveasim_pipeline::{Interval, STAGES, Stage, StageBounds, SyncMode, until};
 
 use super::band::Edges;
 
-/// What a latency study reports.
+/// Which rows a latency ends with.
 ///
-/// A row is *renewed* when it is first lit from a frame that knew of the eye movement. Where the
-/// picture tears, rows above the beam wait for the next scan.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Quantity {
-    /// One stage's share, on the way to the gaze row.
-    Stage(Stage),
-    /// Until the first of the inner layer's rows to be renewed is.
-    FirstRow,
-    /// Until the gaze row is renewed.
-    GazeRow,
-    /// Until every row of the inner layer has been renewed, each judged for itself.
-    LastRow,
-    /// Until the inner layer has first been scanned from top to bottom out of frames that knew.
+/// A row is *renewed* when it is first lit from a picture that knew of the movement. Where the picture
+/// tears, rows above the beam wait for the next scan.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Rows {
+    /// The first of the inner layer's rows to be renewed.
+    First,
+    /// The row gazed at.
+    Gaze,
+    /// The last of the inner layer's rows to be renewed, each judged for itself.
+    Last,
+    /// The first scan of the inner layer from end to end out of pictures that knew.
     CompletePass,
 }
 
-/// All of them, in the order of the table.
-pub const QUANTITIES: [Quantity; 12] = [
-    Quantity::Stage(STAGES[0]),
-    Quantity::Stage(STAGES[1]),
-    Quantity::Stage(STAGES[2]),
-    Quantity::Stage(STAGES[3]),
-    Quantity::Stage(STAGES[4]),
-    Quantity::Stage(STAGES[5]),
-    Quantity::Stage(STAGES[6]),
-    Quantity::Stage(STAGES[7]),
-    Quantity::FirstRow,
-    Quantity::GazeRow,
-    Quantity::LastRow,
-    Quantity::CompletePass,
-];
+/// All of them, in the order of tables.
+pub const ROWS: [Rows; 4] = [Rows::First, Rows::Gaze, Rows::Last, Rows::CompletePass];
+
+/// What a latency study reports.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Quantity {
+    /// One stage's share, on the way from an eye movement to the gaze row.
+    Stage(Stage),
+    /// From the eye movement to light.
+    Gaze(Rows),
+    /// One stage's share, on the way from a head movement to the gaze row.
+    MotionStage(Stage),
+    /// From the head movement to light.
+    Motion(Rows),
+}
+
+/// Quantities of one movement.
+const EACH: usize = STAGES.len() + ROWS.len();
+
+/// All of them: those of gaze, then those of motion; stages first.
+pub const QUANTITIES: [Quantity; 2 * EACH] = {
+    let mut all = [Quantity::Gaze(Rows::Gaze); 2 * EACH];
+    let mut i = 0;
+    while i < STAGES.len() {
+        all[i] = Quantity::Stage(STAGES[i]);
+        all[EACH + i] = Quantity::MotionStage(STAGES[i]);
+        i += 1;
+    }
+    let mut i = 0;
+    while i < ROWS.len() {
+        all[STAGES.len() + i] = Quantity::Gaze(ROWS[i]);
+        all[EACH + STAGES.len() + i] = Quantity::Motion(ROWS[i]);
+        i += 1;
+    }
+    all
+};
 
 impl Quantity {
     /// Its place in [`QUANTITIES`].
     pub fn index(self) -> usize {
         match self {
             Self::Stage(stage) => stage as usize,
-            Self::FirstRow => STAGES.len(),
-            Self::GazeRow => STAGES.len() + 1,
-            Self::LastRow => STAGES.len() + 2,
-            Self::CompletePass => STAGES.len() + 3,
+            Self::Gaze(rows) => STAGES.len() + rows as usize,
+            Self::MotionStage(stage) => EACH + stage as usize,
+            Self::Motion(rows) => EACH + STAGES.len() + rows as usize,
         }
+    }
+
+    /// Whether it belongs to the head's movement, not the eye's.
+    pub fn is_motion(self) -> bool {
+        matches!(self, Self::MotionStage(_) | Self::Motion(_))
     }
 
     /// As in tables.
     pub fn name(self) -> &'static str {
         match self {
             Self::Stage(stage) => stage.name(),
-            Self::FirstRow => "gaze_to_photon_first_row",
-            Self::GazeRow => "gaze_to_photon_gaze_row",
-            Self::LastRow => "gaze_to_photon_last_row",
-            Self::CompletePass => "gaze_to_photon_complete_pass",
+            Self::Gaze(Rows::First) => "gaze_to_photon_first_row",
+            Self::Gaze(Rows::Gaze) => "gaze_to_photon_gaze_row",
+            Self::Gaze(Rows::Last) => "gaze_to_photon_last_row",
+            Self::Gaze(Rows::CompletePass) => "gaze_to_photon_complete_pass",
+            Self::MotionStage(Stage::TrackerWait) => "motion_head_wait",
+            Self::MotionStage(Stage::TrackerExposure) => "motion_exposure",
+            Self::MotionStage(Stage::TrackerProcessing) => "motion_processing",
+            Self::MotionStage(Stage::TrackerTransport) => "motion_head_delay",
+            Self::MotionStage(Stage::FrameWait) => "motion_latch_wait",
+            Self::MotionStage(Stage::FrameQueue) => "motion_frame_queue",
+            Self::MotionStage(Stage::Render) => "motion_render",
+            Self::MotionStage(Stage::FlipWait) => "motion_flip_wait",
+            Self::MotionStage(Stage::Compose) => "motion_compose",
+            Self::MotionStage(Stage::DisplayBuffer) => "motion_display_buffer",
+            Self::MotionStage(Stage::ScanWait) => "motion_scan_wait",
+            Self::MotionStage(Stage::PixelResponse) => "motion_pixel_response",
+            Self::MotionStage(Stage::Persistence) => "motion_persistence",
+            Self::Motion(Rows::First) => "motion_to_photon_first_row",
+            Self::Motion(Rows::Gaze) => "motion_to_photon_gaze_row",
+            Self::Motion(Rows::Last) => "motion_to_photon_last_row",
+            Self::Motion(Rows::CompletePass) => "motion_to_photon_complete_pass",
         }
     }
 
-    /// The exact range of the quantity.
+    /// The exact range of the quantity, from the stages' of the same movement.
     pub(super) fn bounds(self, stages: &StageBounds, edges: &Edges, sync: SyncMode) -> Interval {
-        let to_flip = stages.until(Stage::FlipWait);
         match self {
-            Self::Stage(stage) => stages.get(stage),
-            Self::GazeRow => stages.total(),
+            Self::Stage(stage) | Self::MotionStage(stage) => stages.get(stage),
+            Self::Gaze(rows) | Self::Motion(rows) => rows.bounds(stages, edges, sync),
+        }
+    }
+}
+
+impl Rows {
+    fn bounds(self, stages: &StageBounds, edges: &Edges, sync: SyncMode) -> Interval {
+        let to_panel = stages.to_panel();
+        match self {
+            Self::Gaze => stages.total(),
             _ if sync != SyncMode::Tearing => {
-                let row = if self == Self::FirstRow {
-                    edges.top
-                } else {
-                    edges.bottom
+                let row = match self {
+                    Self::First => edges.first,
+                    _ => edges.last,
                 };
-                to_flip + Interval::exactly(edges.lit(row))
+                to_panel + Interval::exactly(edges.lit(row))
             }
-            _ => to_flip + self.after_flip(stages.refresh, edges),
+            _ => to_panel + self.after_flip(stages, edges),
         }
     }
 
     /// From a flip anywhere in the scan until the rows are lit, when the picture tears.
-    fn after_flip(self, refresh: Nanos, edges: &Edges) -> Interval {
-        let Edges {
-            top,
-            bottom,
-            active,
-            ..
-        } = *edges;
-        let pass = bottom - top;
-        let settle = Interval::exactly(edges.response.settle);
+    fn after_flip(self, stages: &StageBounds, edges: &Edges) -> Interval {
+        let (Edges { first, last, .. }, refresh) = (*edges, stages.refresh);
+        let pass = last - first;
+        // From scanned to lit; of a global flash, from the start of the scan.
+        let lit = match edges.response.emission {
+            Emission::Rolling => edges.lit(Nanos::ZERO),
+            Emission::Global => edges.lit(Nanos::ZERO) - last,
+        };
         // The shortest wait has the beam arrive just after the flip; the longest has it just gone.
         let wait = match (edges.response.emission, self) {
             // The beam inside the layer renews something at once; just below it, the top is next.
-            (Emission::Rolling, Self::FirstRow) => Interval::new(Nanos::ZERO, refresh - pass),
+            (Emission::Rolling, Self::First) => Interval::new(Nanos::ZERO, refresh - pass),
             // From just inside the layer, the last row renewed is the one just above the beam.
-            (Emission::Rolling, Self::LastRow) => Interval::new(pass, refresh),
+            (Emission::Rolling, Self::Last) => Interval::new(pass, refresh),
             (Emission::Rolling, _) => Interval::new(pass, refresh + pass),
             // Nothing is lit before the scan ends: what counts is which scan holds the rows.
-            (Emission::Global, Self::FirstRow) => {
-                Interval::new(active - bottom, refresh + active - bottom)
-            }
-            (Emission::Global, _) => Interval::new(active - top, refresh + active - top),
+            (Emission::Global, Self::First) => Interval::new(Nanos::ZERO, refresh),
+            (Emission::Global, _) => Interval::new(pass, refresh + pass),
         };
-        wait + settle
+        let wait = match (stages.flip_at(), edges.response.emission) {
+            // The beam is always at the same place; rounding may move it by a nanosecond.
+            (Some(at), Emission::Rolling) => {
+                let inside = first < at && at < last;
+                let wait = match self {
+                    Self::First if inside => Nanos::ZERO,
+                    Self::First => until(first, at, refresh),
+                    Self::Last if inside => refresh,
+                    _ => until(first, at, refresh) + pass,
+                };
+                Interval::new((wait - Nanos(2)).max(Nanos::ZERO), wait + Nanos(2))
+            }
+            _ => wait,
+        };
+        wait + Interval::exactly(lit)
     }
 }

@@ -1,6 +1,11 @@
-use foveasim_models::presets;
+use foveasim_models::{Rate, presets};
+use foveasim_pipeline::STAGES;
 
 use super::*;
+
+mod properties;
+mod search;
+mod sensitivity;
 
 fn study(sync: SyncMode) -> LatencyStudy {
     let display = presets::display("lg-w2363d").unwrap();
@@ -24,33 +29,33 @@ type Row = [f64; 7];
 const TABLE: [(SyncMode, Quantity, Row); 5] = [
     (
         SyncMode::Tearing,
-        Quantity::GazeRow,
+        Quantity::Gaze(Rows::Gaze),
         [
             18.966_667, 24.017_713, 29.966_667, 29.966_667, 35.915_621, 37.701_427, 40.966_667,
         ],
     ),
     (
         SyncMode::Tearing,
-        Quantity::LastRow,
+        Quantity::Gaze(Rows::Last),
         [20.51, 25.56, 31.39, 31.37, 37.03, 38.61, 40.97],
     ),
     (
         SyncMode::Tearing,
-        Quantity::CompletePass,
+        Quantity::Gaze(Rows::CompletePass),
         [
             20.509_877, 25.560_922, 31.509_877, 31.509_877, 37.458_831, 39.244_637, 42.509_877,
         ],
     ),
     (
         SyncMode::VsyncFree,
-        Quantity::LastRow,
+        Quantity::Gaze(Rows::Last),
         [
             23.904_938, 28.955_984, 34.904_938, 34.904_938, 40.853_892, 42.639_699, 45.904_938,
         ],
     ),
     (
         SyncMode::Vsync,
-        Quantity::LastRow,
+        Quantity::Gaze(Rows::Last),
         [23.90, 26.47, 30.74, 30.74, 35.01, 36.08, 37.57],
     ),
 ];
@@ -102,20 +107,35 @@ fn bounds_of_the_study_are_the_exact_extremes() {
         study(SyncMode::VsyncFree),
         study(SyncMode::Vsync),
     );
-    close(bound(&tearing, Quantity::GazeRow), (18.966_667, 40.966_667));
-    close(bound(&tearing, Quantity::LastRow), (20.509_877, 40.966_667));
     close(
-        bound(&tearing, Quantity::CompletePass),
+        bound(&tearing, Quantity::Gaze(Rows::Gaze)),
+        (18.966_667, 40.966_667),
+    );
+    close(
+        bound(&tearing, Quantity::Gaze(Rows::Last)),
+        (20.509_877, 40.966_667),
+    );
+    close(
+        bound(&tearing, Quantity::Gaze(Rows::CompletePass)),
         (20.509_877, 42.509_877),
     );
     // The beam inside the layer renews a row at once; from just below, the top is 880 rows away.
     close(
-        bound(&tearing, Quantity::FirstRow),
+        bound(&tearing, Quantity::Gaze(Rows::First)),
         (18.966_667, 39.423_457),
     );
-    close(bound(&free, Quantity::LastRow), (23.904_938, 45.904_938));
-    close(bound(&vsync, Quantity::LastRow), (23.904_938, 37.571_605));
-    close(bound(&vsync, Quantity::GazeRow), (23.133_333, 36.8));
+    close(
+        bound(&free, Quantity::Gaze(Rows::Last)),
+        (23.904_938, 45.904_938),
+    );
+    close(
+        bound(&vsync, Quantity::Gaze(Rows::Last)),
+        (23.904_938, 37.571_605),
+    );
+    close(
+        bound(&vsync, Quantity::Gaze(Rows::Gaze)),
+        (23.133_333, 36.8),
+    );
 }
 
 #[test]
@@ -150,14 +170,14 @@ fn no_sample_leaves_its_bounds() {
 /// The clocks that make every wait as short or as long as can be, for a flip `at` after a blank.
 fn extreme(study: &LatencyStudy, longest: bool, at: Nanos) -> (LatencyStudy, RunStart) {
     let mut study = study.clone();
-    let t = &mut study.tracker;
+    let t = &mut study.chain.tracker;
     let one = Nanos(1);
     let processing = if longest {
-        t.processing_max
+        t.processing.max()
     } else {
-        t.processing_min
+        t.processing.min()
     };
-    (t.processing_min, t.processing_max) = (processing, processing);
+    t.processing = Durations::fixed(processing);
     // An exposure starts with the movement, or one nanosecond before it.
     let exposure = if longest { -one } else { Nanos::ZERO };
     let seen = if longest {
@@ -167,15 +187,15 @@ fn extreme(study: &LatencyStudy, longest: bool, at: Nanos) -> (LatencyStudy, Run
     };
     let delivered = seen + t.exposure + processing;
     // A frame starts with the delivery, or one nanosecond before it.
-    let refresh = study.display.scan.rate.period();
+    let refresh = study.chain.display.scan.rate.period();
     let start = if longest {
         delivered - one + refresh
     } else {
         delivered
     };
     let host = start;
-    let end = start + study.render;
-    let vblank = match study.sync {
+    let end = start + study.chain.render.max();
+    let vblank = match study.chain.sync {
         SyncMode::Tearing => end - at,
         SyncMode::VsyncFree if longest => end - one,
         SyncMode::VsyncFree => end,
@@ -190,6 +210,7 @@ fn extreme(study: &LatencyStudy, longest: bool, at: Nanos) -> (LatencyStudy, Run
                 vblank,
             },
             begin: -refresh * 3,
+            head_wait: Nanos::ZERO,
         },
     )
 }
@@ -199,21 +220,21 @@ fn bounds_are_attained_to_a_microsecond() {
     let one = Nanos(1);
     for sync in SyncMode::ALL {
         let study = study(sync);
-        let edges = study.band.edges(&study.display);
+        let edges = study.edges();
         for quantity in [
-            Quantity::FirstRow,
-            Quantity::GazeRow,
-            Quantity::LastRow,
-            Quantity::CompletePass,
+            Quantity::Gaze(Rows::First),
+            Quantity::Gaze(Rows::Gaze),
+            Quantity::Gaze(Rows::Last),
+            Quantity::Gaze(Rows::CompletePass),
         ] {
             for longest in [false, true] {
                 // Where the beam must be at the flip, if the picture tears.
                 let at = match (quantity, longest) {
-                    (Quantity::FirstRow, true) => edges.bottom,
-                    (Quantity::GazeRow, true) => edges.gaze + one,
-                    (_, true) => edges.top + one,
-                    (Quantity::GazeRow, false) => edges.gaze,
-                    (_, false) => edges.top,
+                    (Quantity::Gaze(Rows::First), true) => edges.last,
+                    (Quantity::Gaze(Rows::Gaze), true) => edges.gaze + one,
+                    (_, true) => edges.first + one,
+                    (Quantity::Gaze(Rows::Gaze), false) => edges.gaze,
+                    (_, false) => edges.first,
                 };
                 let (study_at, start) = extreme(&study, longest, at);
                 let (sample, _) = study_at.simulate(&mut Pipeline::new(), 0, 0, start);
@@ -233,7 +254,7 @@ fn bounds_are_attained_to_a_microsecond() {
 #[test]
 fn global_emission_lights_all_rows_together() {
     let mut study = study(SyncMode::Tearing);
-    study.display.response.emission = foveasim_models::Emission::Global;
+    study.chain.display.response.emission = foveasim_models::Emission::Global;
     let result = run(&study, 20_000);
     assert_eq!(result.outside_bounds(), None);
     for (histogram, bound) in result.histograms.iter().zip(&result.bounds) {
@@ -252,10 +273,10 @@ fn stages_add_up_and_rows_are_in_order() {
             let (sample, _) = study.simulate(&mut pipeline, 3, i, study.draw(3, i));
             let get = |q: Quantity| sample[q.index()];
             let sum: i64 = STAGES.iter().map(|s| get(Quantity::Stage(*s)).0).sum();
-            assert_eq!(sum, get(Quantity::GazeRow).0);
-            assert!(get(Quantity::FirstRow) <= get(Quantity::GazeRow));
-            assert!(get(Quantity::GazeRow) <= get(Quantity::LastRow));
-            assert!(get(Quantity::LastRow) <= get(Quantity::CompletePass));
+            assert_eq!(sum, get(Quantity::Gaze(Rows::Gaze)).0);
+            assert!(get(Quantity::Gaze(Rows::First)) <= get(Quantity::Gaze(Rows::Gaze)));
+            assert!(get(Quantity::Gaze(Rows::Gaze)) <= get(Quantity::Gaze(Rows::Last)));
+            assert!(get(Quantity::Gaze(Rows::Last)) <= get(Quantity::Gaze(Rows::CompletePass)));
         }
     }
 }
@@ -282,8 +303,10 @@ fn a_slower_frame_is_never_faster_to_the_eye() {
     let p50 = |sync, ms: f64| {
         let s = study(sync);
         let render = Some(Nanos::from_ms(ms));
-        let s = LatencyStudy::new(s.display, s.tracker, sync, render, None).unwrap();
-        run(&s, 20_000).histogram(Quantity::GazeRow).mean_ms()
+        let s = LatencyStudy::new(s.chain.display, s.chain.tracker, sync, render, None).unwrap();
+        run(&s, 20_000)
+            .histogram(Quantity::Gaze(Rows::Gaze))
+            .mean_ms()
     };
     for sync in SyncMode::ALL {
         let means: Vec<f64> = [2.0, 6.0, 10.0, 18.0].map(|ms| p50(sync, ms)).into();
@@ -295,7 +318,14 @@ fn a_slower_frame_is_never_faster_to_the_eye() {
 fn bad_input_is_refused() {
     let s = study(SyncMode::Vsync);
     let with = |render, band| {
-        LatencyStudy::new(s.display.clone(), s.tracker.clone(), s.sync, render, band).is_err()
+        LatencyStudy::new(
+            s.chain.display.clone(),
+            s.chain.tracker.clone(),
+            s.chain.sync,
+            render,
+            band,
+        )
+        .is_err()
     };
     assert!(with(Some(Nanos(-1)), None));
     assert!(with(Some(Nanos::MAX), None));

@@ -1,5 +1,5 @@
 use foveasim_models::{GazeDirection, Nanos, Pose};
-use foveasim_pipeline::{Rendered, Stages};
+use foveasim_pipeline::{PoseStamp, Rendered, Stages};
 use foveasim_reports::Cell;
 
 /// Where a frame's fovea came from.
@@ -36,8 +36,17 @@ pub struct ReplayFrame {
     pub vblank: Nanos,
     /// The frame that lit the gaze row, and what it knew.
     pub frame: Rendered,
+    /// When the compositor took it; at the flip, without one.
+    pub composed: Nanos,
+    /// Whether it was warped late.
+    pub warped: bool,
     /// When that frame became the buffer that is scanned.
     pub flipped: Nanos,
+    /// The pose that the picture in that row agrees with: the frame's, or a late warp's.
+    pub pose: Option<PoseStamp>,
+    /// Where the time went from the start of the exposure that the frame used to its light; `None`
+    /// without one.
+    pub stages: Option<Stages>,
     /// The frames of the first and the last row; `None` where no frame was shown yet. They differ
     /// where the picture tears.
     pub frame_ids: [Option<u64>; 2],
@@ -94,34 +103,14 @@ impl ReplayFrame {
         self.frame.gaze.map(|g| self.lit - g.exposure_start)
     }
 
-    /// Where that time went, from the start of the exposure on.
-    pub fn stages(&self) -> Option<Stages> {
-        let gaze = self.frame.gaze?;
-        let Self {
-            frame,
-            flipped,
-            scanned,
-            lit,
-            ..
-        } = self;
-        Some(Stages::new(
-            gaze.exposure_start,
-            &gaze,
-            frame,
-            *flipped,
-            *scanned,
-            *lit,
-        ))
-    }
-
     /// The angle between the true gaze and the drawn fovea when the gaze row gave light \[deg\].
     pub fn gaze_error_deg(&self) -> Option<f64> {
         self.true_gaze.map(|truth| truth.angle_to_deg(self.fovea))
     }
 
-    /// `world_from_head` as the frame took it to be (the origin without head motion).
+    /// `world_from_head` as the picture has it (the origin without head motion).
     pub fn head(&self) -> Pose {
-        self.frame.pose.map_or(Pose::IDENTITY, |p| p.pose)
+        self.pose.map_or(Pose::IDENTITY, |p| p.pose)
     }
 
     /// The row of the table, times from `start`.

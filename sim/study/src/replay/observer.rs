@@ -2,22 +2,21 @@ use std::ops::ControlFlow;
 
 use foveasim_models::{
     Display, EyePanel, GazeDirection, GazeMode, GazeSeries, Interpolate, Nanos, Pose, Provenance,
-    Series,
+    ScanClock, Series,
 };
-use foveasim_pipeline::{Cursor, Displayed, Rendered, Setup, Sink};
+use foveasim_pipeline::{Cursor, Displayed, Rendered, Setup, Shown, Sink, Stages};
 
 use super::{GazeState, ReplayFrame};
 
 /// Compares every scan with what was true when it gave light.
-#[derive(Debug)]
-pub(super) struct Observer<'a> {
+pub(super) struct Observer<'a, F> {
     panel: &'a EyePanel,
     mode: GazeMode,
     gaze: Option<Truth<'a, GazeDirection>>,
     pose: Option<Truth<'a, Pose>>,
     fresh: Nanos,
     end: Nanos,
-    frames: Vec<ReplayFrame>,
+    each: F,
     dark_scans: u64,
 }
 
@@ -47,8 +46,8 @@ impl<'a, T: Interpolate> Truth<'a, T> {
     }
 }
 
-impl<'a> Observer<'a> {
-    /// Compares with `gaze` and with the poses of `setup`; frames that start with gaze older than
+impl<'a, F: FnMut(ReplayFrame)> Observer<'a, F> {
+    /// Gives each displayed frame to `each`. Compares with `gaze` and with the poses of `setup`; frames that start with gaze older than
     /// `fresh` hold it, and rows lit after `end` are not looked at.
     pub(super) fn new(
         display: &'a Display,
@@ -57,6 +56,7 @@ impl<'a> Observer<'a> {
         gaze: Option<&'a GazeSeries>,
         fresh: Nanos,
         end: Nanos,
+        each: F,
     ) -> Self {
         Self {
             panel: display.primary(),
@@ -65,14 +65,14 @@ impl<'a> Observer<'a> {
             pose: setup.pose.map(|series| Truth::new(series, setup.max_gap)),
             fresh,
             end,
-            frames: Vec::new(),
+            each,
             dark_scans: 0,
         }
     }
 
-    /// The frames seen, and how many scans showed none.
-    pub(super) fn into_frames(self) -> (Vec<ReplayFrame>, u64) {
-        (self.frames, self.dark_scans)
+    /// How many scans showed no frame.
+    pub(super) fn dark_scans(&self) -> u64 {
+        self.dark_scans
     }
 
     fn fovea(&self, frame: &Rendered) -> (GazeDirection, GazeState) {
@@ -86,21 +86,28 @@ impl<'a> Observer<'a> {
         }
     }
 
-    /// The panel row that `gaze` falls on, or the nearest one.
-    fn row_of(&self, gaze: GazeDirection, rows: u32) -> u32 {
+    /// The panel row (or column, where they are scanned) that `gaze` falls on, or the nearest one.
+    fn row_of(&self, gaze: GazeDirection, clock: &ScanClock) -> u32 {
         let in_eye = self.panel.in_eye(gaze).vector();
+        let (rows, across) = (clock.rows, clock.direction.across());
         let last = f64::from(rows - 1);
-        let height = f64::from(self.panel.viewport.size.y);
+        let size = self.panel.viewport.size.as_dvec2();
+        // Rows count from the top, columns from the left.
+        let first = match across {
+            true => in_eye.x < 0.0,
+            false => in_eye.y > 0.0,
+        };
         let row = match self.panel.viewport.project(in_eye) {
-            Some(px) => px.y / height * f64::from(rows),
-            None if in_eye.y > 0.0 => 0.0,
+            Some(px) if across => px.x / size.x * f64::from(rows),
+            Some(px) => px.y / size.y * f64::from(rows),
+            None if first => 0.0,
             None => last,
         };
         row.floor().clamp(0.0, last) as u32
     }
 
     fn head_error_deg(&mut self, scan: &Displayed, middle: u32) -> Option<f64> {
-        let drawn = scan.at_row(middle)?.frame.pose?.pose;
+        let drawn = scan.at_row(middle)?.pose()?.pose;
         let truth = self.pose.as_mut()?.at(scan.lit(middle))?;
         Some(drawn.angle_to_deg(truth))
     }
@@ -110,16 +117,24 @@ impl<'a> Observer<'a> {
         let middle = rows / 2;
         let looked_at = self.gaze.as_mut().and_then(|g| g.at(scan.lit(middle)));
         let drawn = scan.at_row(middle).map(|shown| self.fovea(&shown.frame).0);
-        let gaze_row = self.row_of(looked_at.or(drawn)?, rows);
+        let gaze_row = self.row_of(looked_at.or(drawn)?, &scan.clock);
         let shown = scan.at_row(gaze_row)?;
         let (fovea, state) = self.fovea(&shown.frame);
+        let fovea = as_warped(fovea, shown);
         let lit = scan.lit(gaze_row);
         let id = |row| scan.at_row(row).map(|shown| shown.frame.id);
         Some(ReplayFrame {
             scan: scan.scan,
             vblank: scan.vblank,
             frame: shown.frame,
+            composed: shown.composed,
+            warped: shown.warp.is_some(),
             flipped: shown.flipped,
+            pose: shown.pose(),
+            stages: shown.frame.gaze.map(|gaze| {
+                let exposed = gaze.exposure_start;
+                Stages::of_gaze(exposed, &gaze, &shown.frame, shown, scan, gaze_row)
+            }),
             frame_ids: [id(0), id(rows - 1)],
             gaze_row,
             scanned: scan.scanned(gaze_row),
@@ -132,13 +147,25 @@ impl<'a> Observer<'a> {
     }
 }
 
-impl Sink for Observer<'_> {
+impl<F: FnMut(ReplayFrame)> Sink for Observer<'_, F> {
     fn displayed(&mut self, scan: &Displayed) -> ControlFlow<()> {
         match self.look(scan) {
             None => self.dark_scans += 1,
-            Some(frame) if frame.lit <= self.end => self.frames.push(frame),
+            Some(frame) if frame.lit <= self.end => (self.each)(frame),
             Some(_) => return ControlFlow::Break(()),
         }
         ControlFlow::Continue(())
+    }
+}
+
+/// Where a fovea drawn at `fovea` is seen, relative to the head: a late warp moves the whole picture,
+/// the fovea with it.
+fn as_warped(fovea: GazeDirection, shown: &Shown) -> GazeDirection {
+    match (shown.frame.pose, shown.warp.and_then(|w| w.pose)) {
+        (Some(drawn), Some(warped)) => {
+            let in_world = drawn.pose.direction(fovea.vector());
+            GazeDirection::from_vector(warped.pose.inverse().direction(in_world))
+        }
+        _ => fovea,
     }
 }

@@ -66,10 +66,7 @@ impl ReplaySummary {
     pub(super) fn new(replay: &Replay) -> Self {
         let frames = &replay.frames;
         let count = |state: GazeState| frames.iter().filter(|f| f.state == state).count() as u64;
-        let stages: Vec<_> = frames
-            .iter()
-            .filter_map(super::ReplayFrame::stages)
-            .collect();
+        let stages: Vec<_> = frames.iter().filter_map(|f| f.stages).collect();
         let mean_of = |stage: Stage| {
             mean(
                 &stages

@@ -6,7 +6,7 @@ use foveasim_reports::{BarChart, BarSeries, Table};
 
 use super::ReproduceError;
 use super::paper::LATENCY;
-use crate::{LatencyStudy, QUANTITIES, Quantity};
+use crate::{LatencyStudy, QUANTITIES, Quantity, Rows};
 
 /// Fig. 5 beside the pipeline's own bounds for the study's set-up.
 #[derive(Debug, Clone, PartialEq)]
@@ -52,7 +52,7 @@ impl LatencyBars {
         ]);
         let render = stages(&[Stage::FrameWait, Stage::Render, Stage::FlipWait]);
         let response = stages(&[Stage::PixelResponse]);
-        let total = of(Quantity::LastRow);
+        let total = of(Quantity::Gaze(Rows::Last));
         let before = tracker + render + response;
         let scan = Interval::new(total.min - before.min, total.max - before.max);
         let ms = |i: Interval| [i.min.as_ms(), i.max.as_ms()];

@@ -42,8 +42,9 @@ impl PlanCost {
     }
 }
 
-impl FrameCost for PlanCost {
-    fn duration(&self, frame: &FrameInput) -> Nanos {
+impl PlanCost {
+    /// Samples shaded in a frame, and display pixels that are reconstructed.
+    pub(super) fn counts(&self, frame: &FrameInput) -> (u64, u64) {
         let (mut samples, mut pixels) = (0, 0);
         for (panel, prepared) in &self.eyes {
             let gaze = match (self.gaze_mode, frame.gaze) {
@@ -57,6 +58,18 @@ impl FrameCost for PlanCost {
                 _ => u64::from(plan.display_px.x) * u64::from(plan.display_px.y),
             };
         }
+        (samples, pixels)
+    }
+
+    /// What so many take.
+    pub(super) fn time(&self, samples: u64, pixels: u64) -> Nanos {
         self.profile.time(samples as f64, pixels as f64)
+    }
+}
+
+impl FrameCost for PlanCost {
+    fn duration(&self, frame: &FrameInput) -> Nanos {
+        let (samples, pixels) = self.counts(frame);
+        self.time(samples, pixels)
     }
 }

@@ -5,7 +5,7 @@ use foveasim_reports::{BarChart, BarSeries, Cell, Page, ReportError, Table, anno
 
 use super::moments::PAGE_IMAGE_PX;
 use super::{Moment, Run, RunError, moments};
-use crate::{Quantity, RenderTime, Scenario};
+use crate::{Quantity, RenderTime, Rows, Scenario};
 
 /// Everything in one page that needs nothing else.
 pub(super) fn page(run: &Run, scenario: &Scenario) -> Result<String, RunError> {
@@ -25,7 +25,7 @@ pub(super) fn page(run: &Run, scenario: &Scenario) -> Result<String, RunError> {
 
 fn answer(page: &mut Page, run: &Run, scenario: &Scenario) {
     let featured = run.savings.featured();
-    let photon = run.latency.histogram(Quantity::LastRow);
+    let photon = run.latency.histogram(Quantity::Gaze(Rows::Last));
     let error = run.replay.summary().gaze_error_deg;
     let error = error.map_or("unknown".into(), |e| format!("{:.1}°", e.p95));
     page.paragraph(&run.answer(scenario));
@@ -112,8 +112,14 @@ fn asked(page: &mut Page, run: &Run, scenario: &Scenario) {
     row("synchronisation", scenario.sync.to_string());
     row(
         "render time",
-        match scenario.render_time {
-            RenderTime::Fixed(fixed) => format!("{:.3} ms for every frame", fixed.0.as_ms()),
+        match &scenario.render_time {
+            RenderTime::Law(law) if law.min() == law.max() => {
+                format!("{:.3} ms for every frame", law.min().as_ms())
+            }
+            RenderTime::Law(law) => {
+                let (min, max) = (law.min().as_ms(), law.max().as_ms());
+                format!("{}: {min:.3} to {max:.3} ms", spec.render_time)
+            }
             RenderTime::Cost => format!(
                 "cost profile {} on each frame's own samples",
                 scenario.cost.name
@@ -185,7 +191,7 @@ fn latency(page: &mut Page, run: &Run, scenario: &Scenario) {
         &format!("The chain of {} and {} with {}, from the eye's movement to light at the gaze row. Shaded: the longest possible, by interval arithmetic.", scenario.tracker.title, scenario.display.title, scenario.sync),
         &latency.waterfall().svg(),
     );
-    page.svg("All clocks have independent phases. Shaded: the exact bounds, found by interval arithmetic.", &latency.chart(Quantity::LastRow).svg());
+    page.svg("All clocks have independent phases. Shaded: the exact bounds, found by interval arithmetic.", &latency.chart(Quantity::Gaze(Rows::Last)).svg());
     if scenario.render_time == RenderTime::Cost {
         page.note("Frames take what the cost profile says of their own samples; here each takes the mean over the layers' cadence, and the bounds are those of that time.");
     }

@@ -76,14 +76,18 @@ pub(super) fn as_file(text: &str) -> Option<&Path> {
 /// # Errors
 /// If it cannot be read, or is larger.
 pub fn read_text(path: &Path) -> Result<String, ScenarioError> {
-    const LIMIT: u64 = 1 << 20;
+    read_text_up_to(path, 1 << 20)
+}
+
+/// A text file of at most `limit` bytes.
+pub(crate) fn read_text_up_to(path: &Path, limit: u64) -> Result<String, ScenarioError> {
     let error = |why| ScenarioError::Read {
         path: path.to_owned(),
         why,
     };
     let size = std::fs::metadata(path).map_err(error)?.len();
-    if size > LIMIT {
-        let text = format!("{size} bytes; such a file has at most {LIMIT}");
+    if size > limit {
+        let text = format!("{size} bytes; such a file has at most {limit}");
         return Err(error(std::io::Error::new(
             std::io::ErrorKind::FileTooLarge,
             text,

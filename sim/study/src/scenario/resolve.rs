@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use foveasim_models::foveation::Method;
 use foveasim_models::{
-    Acuity, CostProfile, Display, FixedCost, GazeMode, ModelError, Nanos, PosePredictor, Tracker,
+    Acuity, CostProfile, Display, Durations, GazeMode, ModelError, Nanos, PosePredictor, Tracker,
     presets, unknown_name,
 };
 use foveasim_pipeline::SyncMode;
@@ -12,7 +12,9 @@ use foveasim_traces::{ReadOptions, ScreenSpec, TraceError};
 
 use super::ScenarioSpec;
 use super::devices::{cost, display, display_spec, tracker, tracker_spec};
-use crate::{DensityAt, MAX_RUNS, ReplayOptions, Resolution, SweepDisplay, parse_numbers};
+use crate::{
+    Chain, DensityAt, MAX_RUNS, ReplayOptions, Resolution, SweepDisplay, parse_numbers, render_law,
+};
 
 /// Which gaze is replayed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -24,10 +26,11 @@ pub enum GazeSource {
 }
 
 /// How long the pipeline lets a frame render.
-#[derive(Debug, Clone, Copy, PartialEq)]
+#[derive(Debug, Clone, PartialEq)]
 pub enum RenderTime {
-    /// Always the same.
-    Fixed(FixedCost),
+    /// A time for each frame, whatever it shows: fixed, drawn, or measured. In a replay, measured
+    /// frames follow each other in their order; the latency study draws from them.
+    Law(Durations),
     /// What the cost profile says of each frame's own samples.
     Cost,
 }
@@ -51,6 +54,9 @@ pub struct Scenario {
     pub gaze_source: GazeSource,
     /// How frames meet the display.
     pub sync: SyncMode,
+    /// The chain from tracker to light, with these devices; its frames render for the time of
+    /// `render_time`, or, where that is a cost profile's, for one refresh period.
+    pub chain: Chain,
     /// How long frames render.
     pub render_time: RenderTime,
     /// The profile for predicted times.
@@ -152,16 +158,29 @@ impl ScenarioSpec {
             self.images.to_string(),
             "0 to 100",
         )?;
+        let refresh = Durations::fixed(display.scan.rate.period());
         let render_time = match self.render_time.as_str() {
-            "refresh" => RenderTime::Fixed(FixedCost(display.scan.rate.period())),
+            "refresh" => RenderTime::Law(refresh),
             "cost" => RenderTime::Cost,
-            text => {
-                let valid = "`refresh`, `cost`, or milliseconds from 0 to 10000";
-                let ms = text.parse().ok().filter(|ms| (0.0..=10_000.0).contains(ms));
-                let ms = ms.ok_or_else(|| ModelError::range("render_time", text, valid))?;
-                RenderTime::Fixed(FixedCost(Nanos::from_ms(ms)))
-            }
+            text => RenderTime::Law(render_law(text).map_err(|why| match why {
+                ScenarioError::Model(why) => field("render_time")(why),
+                other => other,
+            })?),
         };
+        if render_time == RenderTime::Cost && self.chain.start.as_deref() == Some("just-in-time") {
+            let valid = "`just-in-time:MS`, where render times come from a cost profile";
+            return Err(ModelError::range("chain.start", "just-in-time", valid).into());
+        }
+        let law = match &render_time {
+            RenderTime::Law(law) => law.clone(),
+            RenderTime::Cost => Durations::fixed(display.scan.rate.period()),
+        };
+        let chain = self.chain.resolve(display, tracker, sync, law)?;
+        let render_time = match render_time {
+            RenderTime::Law(_) => RenderTime::Law(chain.render.clone()),
+            RenderTime::Cost => RenderTime::Cost,
+        };
+        let (display, tracker) = (chain.display.clone(), chain.tracker.clone());
         let cost = cost(&self.cost)?;
         let (d, t) = (display_spec(&self.display)?, tracker_spec(&self.tracker)?);
         let facts = [
@@ -193,6 +212,8 @@ impl ScenarioSpec {
             gaze_mode,
             predictor,
             gaze_max_age: Some(Nanos::from_ms(age)),
+            runtime: chain.runtime,
+            host_rate: Some(chain.host_rate),
             seed: self.seed,
         };
         let reading = self.reading()?;
@@ -213,6 +234,7 @@ impl ScenarioSpec {
             gaze_mode,
             gaze_source,
             sync,
+            chain,
             render_time,
             cost,
             spec: self,

@@ -1,0 +1,141 @@
+use std::fmt;
+use std::str::FromStr;
+
+use foveasim_models::{Durations, ModelError, Nanos, unknown_name};
+use foveasim_pipeline::FrameStart;
+
+use super::Chain;
+
+/// A part of the chain that can be switched off: it then takes no time, or adds no error.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Part {
+    /// The tracker's exposure takes no time.
+    Exposure,
+    /// Its samples are ready at once.
+    Processing,
+    /// They reach the host at once.
+    Transport,
+    /// The tracker never loses the eye for a moment.
+    Dropouts,
+    /// The viewer does not blink.
+    Blinks,
+    /// No systematic error, neither constant nor over the field of gaze.
+    Bias,
+    /// No noise.
+    Noise,
+    /// The headset does not slip.
+    Slippage,
+    /// Head samples reach the host at once.
+    HeadDelay,
+    /// Frames render in no time.
+    Render,
+    /// One frame in flight. Alone among the parts it can be worth its time: frames that do not keep up
+    /// with the display are fewer without it.
+    Queue,
+    /// The compositor takes frames at the vertical blank itself, and warps in no time.
+    Lead,
+    /// The display holds no frames.
+    Buffer,
+    /// Pixels switch at once, and a global flash follows the scan at once.
+    Response,
+    /// The first light counts.
+    Persistence,
+}
+
+/// All of them.
+pub const PARTS: [Part; 15] = [
+    Part::Exposure,
+    Part::Processing,
+    Part::Transport,
+    Part::Dropouts,
+    Part::Blinks,
+    Part::Bias,
+    Part::Noise,
+    Part::Slippage,
+    Part::HeadDelay,
+    Part::Render,
+    Part::Queue,
+    Part::Lead,
+    Part::Buffer,
+    Part::Response,
+    Part::Persistence,
+];
+
+impl Part {
+    /// As given to `--off`.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Exposure => "exposure",
+            Self::Processing => "processing",
+            Self::Transport => "transport",
+            Self::Dropouts => "dropouts",
+            Self::Blinks => "blinks",
+            Self::Bias => "bias",
+            Self::Noise => "noise",
+            Self::Slippage => "slippage",
+            Self::HeadDelay => "head-delay",
+            Self::Render => "render",
+            Self::Queue => "queue",
+            Self::Lead => "lead",
+            Self::Buffer => "buffer",
+            Self::Response => "response",
+            Self::Persistence => "persistence",
+        }
+    }
+}
+
+impl FromStr for Part {
+    type Err = ModelError;
+
+    fn from_str(text: &str) -> Result<Self, ModelError> {
+        PARTS
+            .into_iter()
+            .find(|part| part.name() == text)
+            .ok_or_else(|| unknown_name("part of the chain", text, &PARTS.map(Self::name)))
+    }
+}
+
+impl fmt::Display for Part {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl Chain {
+    /// The same chain with one part off.
+    #[must_use]
+    pub fn without(mut self, part: Part) -> Self {
+        let (tracker, runtime) = (&mut self.tracker, &mut self.runtime);
+        match part {
+            Part::Exposure => tracker.exposure = Nanos::ZERO,
+            Part::Processing => tracker.processing = Durations::ZERO,
+            Part::Transport => tracker.transport = Durations::ZERO,
+            Part::Dropouts => tracker.dropouts = None,
+            Part::Blinks => tracker.blinks = None,
+            Part::Bias => (tracker.bias_deg, tracker.bias_map) = (0.0, None),
+            Part::Noise => tracker.precision_deg = 0.0,
+            Part::Slippage => tracker.slippage_deg_per_sqrt_min = 0.0,
+            Part::HeadDelay => self.head.delay = Nanos::ZERO,
+            Part::Render => {
+                self.render = Durations::ZERO;
+                // There is nothing left to latch within, nor to set time aside for.
+                (runtime.gaze_latch, runtime.pose_latch) = (Nanos::ZERO, Nanos::ZERO);
+                if let FrameStart::JustInTime { reserve } = &mut runtime.start {
+                    *reserve = Nanos::ZERO;
+                }
+            }
+            Part::Queue => runtime.in_flight = 1,
+            Part::Lead => {
+                runtime.lead = Nanos::ZERO;
+                runtime.warp = runtime.warp.map(|_| Nanos::ZERO);
+            }
+            Part::Buffer => self.display.scan.buffered_frames = 0,
+            Part::Response => {
+                let response = &mut self.display.response;
+                (response.settle, response.strobe_delay) = (Nanos::ZERO, Nanos::ZERO);
+            }
+            Part::Persistence => self.display.response.to_counted_light = Nanos::ZERO,
+        }
+        self
+    }
+}

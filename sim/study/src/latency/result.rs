@@ -1,0 +1,112 @@
+use foveasim_models::Nanos;
+use foveasim_pipeline::Interval;
+use foveasim_reports::{Cell, Table};
+
+use super::{Histogram, LatencySample, QUANTITIES, Quantity};
+
+/// The distributions found by a study.
+#[derive(Debug, Clone, PartialEq)]
+pub struct LatencyResult {
+    /// One for each of [`QUANTITIES`].
+    pub histograms: Vec<Histogram>,
+    /// Exact bounds, in the same order.
+    pub bounds: Vec<Interval>,
+    /// The fastest and the slowest run to the row gazed at: of gaze, and of motion.
+    pub extremes: [[LatencySample; 2]; 2],
+    /// How many events were simulated.
+    pub events: u64,
+}
+
+/// Columns of latency tables.
+pub(super) const COLUMNS: [&str; 10] = [
+    "stage",
+    "min_ms",
+    "p5_ms",
+    "p50_ms",
+    "mean_ms",
+    "p95_ms",
+    "p99_ms",
+    "max_ms",
+    "bound_min_ms",
+    "bound_max_ms",
+];
+
+/// The numbers of one row of such a table.
+pub(super) fn columns(h: &Histogram, bound: Interval) -> [f64; 9] {
+    [
+        h.min().as_ms(),
+        h.quantile_ms(0.05),
+        h.quantile_ms(0.5),
+        h.mean_ms(),
+        h.quantile_ms(0.95),
+        h.quantile_ms(0.99),
+        h.max().as_ms(),
+        bound.min.as_ms(),
+        bound.max.as_ms(),
+    ]
+}
+
+impl LatencyResult {
+    /// The distribution of one quantity.
+    pub fn histogram(&self, quantity: Quantity) -> &Histogram {
+        &self.histograms[quantity.index()]
+    }
+
+    /// The first quantity, if any, that was measured outside its bounds: then one of the two is wrong.
+    pub fn outside_bounds(&self) -> Option<Quantity> {
+        QUANTITIES.into_iter().find(|q| {
+            let (h, b) = (self.histogram(*q), self.bounds[q.index()]);
+            !(b.contains(h.min()) && b.contains(h.max()))
+        })
+    }
+
+    /// Whether a quantity belongs in tables: stages of parts that are off do not.
+    pub(super) fn is_told(&self, quantity: Quantity) -> bool {
+        let present = self.bounds[quantity.index()].max > Nanos::ZERO;
+        match quantity {
+            Quantity::Stage(stage) => stage.is_basic() || present,
+            Quantity::MotionStage(_) => present,
+            Quantity::Gaze(_) | Quantity::Motion(_) => true,
+        }
+    }
+
+    /// One row per quantity of gaze: quantiles and mean of the simulation, then the exact bounds.
+    pub fn table(&self) -> Table {
+        self.table_of(|q| !q.is_motion())
+    }
+
+    /// The same for gaze and motion.
+    pub fn full_table(&self) -> Table {
+        self.table_of(|_| true)
+    }
+
+    fn table_of(&self, chosen: impl Fn(Quantity) -> bool) -> Table {
+        let mut table = Table::new(COLUMNS);
+        for (quantity, bound) in QUANTITIES.into_iter().zip(&self.bounds) {
+            if !(chosen(quantity) && self.is_told(quantity)) {
+                continue;
+            }
+            let values = columns(self.histogram(quantity), *bound);
+            let row = std::iter::once(quantity.name().into());
+            table.push(row.chain(values.map(Cell::from)).collect());
+        }
+        table
+    }
+
+    /// All histograms, for drawing: `bins` equal bins over each quantity's bounds, with the fraction
+    /// of the runs in each.
+    pub fn histogram_table(&self, bins: usize) -> Table {
+        let mut table = Table::new(["stage", "from_ms", "to_ms", "fraction"]);
+        for quantity in QUANTITIES.into_iter().filter(|q| self.is_told(*q)) {
+            for (from, to, fraction) in self.histogram(quantity).coarse(bins) {
+                table.push(vec![
+                    quantity.name().into(),
+                    from.into(),
+                    to.into(),
+                    fraction.into(),
+                ]);
+            }
+        }
+        table
+    }
+}

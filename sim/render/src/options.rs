@@ -5,7 +5,7 @@ use foveasim_models::{ModelError, unknown_name};
 
 use crate::RenderError;
 
-/// How to draw. Nothing here but `near_m`, `lod` and `skip.back_faces` changes the picture. Made by changing the default:
+/// How to draw. Nothing here but `near_m`, `lod`, `footprint` and `skip.back_faces` changes the picture. Made by changing the default:
 /// `RenderOptions { simd, ..RenderOptions::default() }`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RenderOptions {
@@ -19,6 +19,9 @@ pub struct RenderOptions {
     /// Which of an instance's levels of detail is drawn. Coarser ones change the picture, within the bounds
     /// that [`LodRule`] gives.
     pub lod: LodRule,
+    /// Over how much of what it stands for a sample's shading averages, along each side: 1 is all. Below 1
+    /// there is more detail and more aliasing, as with a negative mip bias: 1/16 to 4.
+    pub footprint: f64,
     /// What is left out because the picture does not need it.
     pub skip: Skip,
 }
@@ -126,13 +129,14 @@ pub enum Simd {
 }
 
 impl Default for RenderOptions {
-    /// Widest instructions; near plane at 5 cm; passes are not kept.
+    /// Widest instructions; near plane at 5 cm; shading averages over whole samples; passes are not kept.
     fn default() -> Self {
         Self {
             simd: Simd::Auto,
             near_m: 0.05,
             keep_passes: false,
             lod: LodRule::default(),
+            footprint: 1.0,
             skip: Skip::ALL,
         }
     }
@@ -140,14 +144,20 @@ impl Default for RenderOptions {
 
 impl RenderOptions {
     pub(crate) fn check(&self) -> Result<(), RenderError> {
-        if (1e-4..=1e3).contains(&self.near_m) {
-            return Ok(());
+        let out_of_range = |field, value: f64, valid: &str| {
+            Err(RenderError::OutOfRange {
+                field,
+                value: value.to_string(),
+                valid: valid.into(),
+            })
+        };
+        if !(1e-4..=1e3).contains(&self.near_m) {
+            return out_of_range("near_m", self.near_m, "from 0.0001 to 1000 m");
         }
-        Err(RenderError::OutOfRange {
-            field: "near_m",
-            value: self.near_m.to_string(),
-            valid: "from 0.0001 to 1000 m".into(),
-        })
+        if !(0.0625..=4.0).contains(&self.footprint) {
+            return out_of_range("footprint", self.footprint, "from 1/16 to 4 samples");
+        }
+        Ok(())
     }
 }
 

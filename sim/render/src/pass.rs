@@ -151,7 +151,7 @@ pub(crate) fn draw(
         return (samples, Work::default());
     }
     let drawing = Drawing::new(scene, view, plan, index, geometry, objects, options);
-    let context = ShadeContext::new(scene, view.poses[0], &drawing.projection);
+    let context = ShadeContext::new(scene, view.poses[0], &drawing.projection, options.footprint);
     let mut work = drawing.work;
     work.passes = 1;
 

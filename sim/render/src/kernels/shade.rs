@@ -67,12 +67,18 @@ pub(crate) struct ShadeContext<'a> {
     world_from_direction: [[f32; 3]; 3],
     tan_origin: [f32; 2],
     tan_step: [f32; 2],
-    /// Width of a sample as a tangent.
+    /// Width that a sample averages over, as a tangent.
     sample_tan: f32,
 }
 
 impl<'a> ShadeContext<'a> {
-    pub(crate) fn new(scene: &'a Scene, world_from_eye: Pose, projection: &Projection) -> Self {
+    /// Shading averages over `footprint` times the width of a sample.
+    pub(crate) fn new(
+        scene: &'a Scene,
+        world_from_eye: Pose,
+        projection: &Projection,
+        footprint: f64,
+    ) -> Self {
         let rotation = DMat3::from_quat(world_from_eye.orientation);
         let row = |r: DVec3| [r.x as f32, r.y as f32, -r.z as f32];
         let p = world_from_eye.position;
@@ -85,7 +91,7 @@ impl<'a> ShadeContext<'a> {
             world_from_direction: [0, 1, 2].map(|i| row(rotation.row(i))),
             tan_origin: single(tan_origin),
             tan_step: single(tan_step),
-            sample_tan: projection.tangent_step().abs().max_element() as f32,
+            sample_tan: (projection.tangent_step().abs().max_element() * footprint) as f32,
         }
     }
 }

@@ -20,6 +20,10 @@ pub struct TemporalOptions {
     pub clamp: Clamp,
     /// How what lies between samples is found, in the history and in the new frame.
     pub interpolation: Interpolation,
+    /// Times [`RenderOptions::footprint`](crate::RenderOptions::footprint) while jittered samples add up
+    /// over frames: several samples of a cell need not each be as soft as one that stands for all of it. Below 1
+    /// it is the negative mip bias that goes with temporal antialiasing. 1/16 to 1.
+    pub footprint: f64,
 }
 
 /// How what lies between samples is found, in the history and in the new frame.
@@ -64,6 +68,7 @@ impl Default for TemporalOptions {
             blend: 0.75,
             clamp: Clamp::Neighbourhood,
             interpolation: Interpolation::CatmullRom,
+            footprint: 0.5,
         }
     }
 }
@@ -80,17 +85,25 @@ impl TemporalOptions {
         blend: 0.0,
         clamp: Clamp::Off,
         interpolation: Interpolation::CatmullRom,
+        footprint: 1.0,
     };
 
     pub(super) fn check(&self) -> Result<(), RenderError> {
-        if (0.0..=0.99).contains(&self.blend) {
-            return Ok(());
+        if !(0.0..=0.99).contains(&self.blend) {
+            return Err(RenderError::OutOfRange {
+                field: "blend",
+                value: self.blend.to_string(),
+                valid: "a weight of the history from 0 to 0.99".into(),
+            });
         }
-        Err(RenderError::OutOfRange {
-            field: "blend",
-            value: self.blend.to_string(),
-            valid: "a weight of the history from 0 to 0.99".into(),
-        })
+        if !(0.0625..=1.0).contains(&self.footprint) {
+            return Err(RenderError::OutOfRange {
+                field: "footprint",
+                value: self.footprint.to_string(),
+                valid: "from 1/16 to 1".into(),
+            });
+        }
+        Ok(())
     }
 
     /// Most frames that a history counts for: n/(n+1) is then the largest weight.

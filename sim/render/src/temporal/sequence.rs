@@ -113,6 +113,9 @@ impl Sequence {
         let mut options = *options;
         // What inner layers hide now may show while this pass waits, if the gaze moves.
         options.skip.hidden &= !self.options.staggered;
+        if self.options.jitter && self.options.reproject {
+            options.footprint *= self.options.footprint;
+        }
         let drawn = draw_passes(
             scene,
             view,

@@ -22,6 +22,7 @@ const ALL_ON: TemporalOptions = TemporalOptions {
     blend: 0.8,
     clamp: Clamp::Neighbourhood,
     interpolation: Interpolation::CatmullRom,
+    footprint: 0.5,
 };
 
 /// Nothing else is skipped.

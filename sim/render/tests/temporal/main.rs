@@ -25,6 +25,7 @@ const UNCLAMPED: TemporalOptions = TemporalOptions {
     blend: 0.9,
     clamp: Clamp::Off,
     interpolation: Interpolation::Bilinear,
+    footprint: 1.0,
 };
 
 fn options() -> RenderOptions {

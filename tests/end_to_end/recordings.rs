@@ -238,7 +238,7 @@ fn a_replay_predicts_the_head_by_any_name() {
     for words in [
         &["replay", "t.csv", "--predict", "kalmann"][..],
         &["run", "--predict", "kalmann", "--out", "o"],
-        &["run", "--scenario", "s.toml", "--out", "o"],
+        &["run", "s.toml", "--out", "o"],
     ] {
         let ran = s.run(words);
         assert_eq!(ran.code, 2, "{words:?}: {}", ran.err);

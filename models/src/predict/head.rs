@@ -123,7 +123,8 @@ impl HeadTracker {
         })
     }
 
-    /// Takes a sample, later than those before: one that is not later by 0.1 ms is passed over. After a
+    /// Takes a sample, later than those before: one that is not later by 0.1 ms tells no
+    /// velocity, and all predictors but the constant one pass it over. After a
     /// missing one, and after a hole, the head counts as still until two samples tell its velocity again.
     pub fn observe(&mut self, sample: Sample<Pose>) {
         let Some(pose) = sample.value else {
@@ -132,7 +133,11 @@ impl HeadTracker {
         };
         let t = sample.t;
         if let Some((last, _)) = self.newest[0] {
-            if t - last < SHORTEST_STEP {
+            let least = match self.predictor {
+                HeadPredictor::Constant => Nanos::ZERO,
+                _ => SHORTEST_STEP,
+            };
+            if t - last < least {
                 return;
             }
             if self.lost || t - last > self.max_gap {

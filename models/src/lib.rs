@@ -58,7 +58,7 @@ pub use plan::{
     Affine, Cadence, CellMask, Feather, Lattice, Map, Msaa, Pass, PassCount, PlanCount, Region,
     Resolve, SamplePlan, Shading, ShadingRate, TileRates, Visibility,
 };
-pub use predict::{HeadPredictor, HeadTracker, KalmanNoise, Motion, PosePredictor, Twist};
+pub use predict::{HeadPredictor, HeadTracker, KalmanNoise, Motion, Twist};
 pub use rng::{Role, Stream};
 pub use series::{
     GazeSeries, Interpolate, PoseSeries, Provenance, Recording, Sample, Series, SeriesError,

@@ -46,7 +46,7 @@ pub(crate) struct ChainFlags {
     /// Frames that the display holds, 0 to 4, instead of its own number
     #[arg(long, value_name = "N")]
     buffered_frames: Option<u32>,
-    /// Head samples a second [Hz] [default: the pose is always new]
+    /// Head samples a second [Hz] [default: the pose is always new; in a replay, each recorded one]
     #[arg(long, value_name = "HZ", allow_negative_numbers = true)]
     head_hz: Option<f64>,
     /// From a head sample to the host having it

@@ -1,9 +1,8 @@
 use std::path::{Path, PathBuf};
 
-use clap::ValueEnum;
-use foveasim_models::{DrawnCost, FrameCost, GazeMode, MeasuredCost, PosePredictor};
+use foveasim_models::{DrawnCost, FrameCost, GazeMode, HeadPredictor, MeasuredCost};
 use foveasim_pipeline::SyncMode;
-use foveasim_study::{Golden, ReplayOptions, replay};
+use foveasim_study::{Golden, ReplayOptions, head_predictor, replay};
 use foveasim_traces::read_path;
 
 use super::chain::ChainFlags;
@@ -49,9 +48,10 @@ pub(crate) struct Args {
     /// tracked: the fovea follows the eye; fixed: it stays at the centre
     #[arg(long, value_name = "MODE", default_value = "tracked")]
     gaze_mode: GazeMode,
-    /// How the head pose is predicted for the time of display
-    #[arg(long, value_enum, default_value_t = Predict::Linear)]
-    predict: Predict,
+    /// How the head pose is predicted for the time of display: constant, linear (the same as
+    /// angular-velocity), components, angular-velocity, acceleration, kalman or double-exponential
+    #[arg(long, value_name = "NAME", default_value = "linear", value_parser = head_predictor)]
+    predict: HeadPredictor,
     /// Gaze older than this is given up, and the fovea goes to the centre [ms] [default: 250]
     #[arg(long, value_name = "MS", allow_hyphen_values = true)]
     max_gaze_age_ms: Option<f64>,
@@ -67,14 +67,6 @@ pub(crate) struct Args {
     read: ReadFlags,
 }
 
-#[derive(Debug, Clone, Copy, ValueEnum)]
-enum Predict {
-    /// The newest pose as it is
-    Constant,
-    /// The newest velocity goes on
-    Linear,
-}
-
 pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
     let display = options::display(&args.display)?;
     let tracker = options::tracker(&args.tracker)?;
@@ -86,10 +78,8 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
     let options = ReplayOptions {
         sync: args.sync,
         gaze_mode: args.gaze_mode,
-        predictor: match args.predict {
-            Predict::Constant => PosePredictor::Constant,
-            Predict::Linear => PosePredictor::Linear,
-        },
+        predictor: args.predict,
+        head: chain.head,
         gaze_max_age: args
             .max_gaze_age_ms
             .map(|ms| options::milliseconds("--max-gaze-age-ms", ms))

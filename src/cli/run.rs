@@ -49,8 +49,9 @@ pub(crate) struct Args {
     /// tearing, vsync-free or vsync [default: vsync]
     #[arg(long, value_name = "MODE")]
     sync: Option<String>,
-    /// How the head pose is predicted: constant or linear [default: linear]
-    #[arg(long, value_name = "HOW")]
+    /// How the head pose is predicted: constant, linear (the same as angular-velocity), components,
+    /// angular-velocity, acceleration, kalman or double-exponential [default: linear]
+    #[arg(long, value_name = "NAME")]
     predict: Option<String>,
     /// Gaze older than this is given up [ms] [default: 250]
     #[arg(long, value_name = "MS", allow_negative_numbers = true)]

@@ -187,3 +187,64 @@ fn eyelink_reads_and_agrees() {
         .collect();
     assert!(f1.len() == 6 && f1.iter().all(|f| *f > 0.94), "{f1:?}");
 }
+
+#[test]
+fn a_replay_predicts_the_head_by_any_name() {
+    let s = Scratch::new();
+    s.ok(&["trace", "synth", "--to", "t.csv", "--duration", "4s"]);
+    let replay = |more: &[&str]| {
+        let display = ["--display", "quest-pro", "--tracker", "quest-pro"];
+        let words = [&["replay", "t.csv", "--format", "csv"], &display[..], more].concat();
+        s.ok(&words)
+    };
+    let rms = |csv: &str| {
+        let errors: Vec<f64> = rows(csv)
+            .iter()
+            .skip(8)
+            .filter(|r| !r["head_error_deg"].is_empty())
+            .map(|r| number(r, "head_error_deg"))
+            .collect();
+        assert!(errors.len() > 200);
+        (errors.iter().map(|e| e * e).sum::<f64>() / errors.len() as f64).sqrt()
+    };
+    let named = |name| replay(&["--predict", name]);
+    let constant = rms(&named("constant"));
+    let mut seen = vec![constant];
+    for name in [
+        "linear",
+        "components",
+        "acceleration",
+        "kalman",
+        "double-exponential",
+    ] {
+        let error = rms(&named(name));
+        assert!(error < 0.5 * constant, "{name}: {error}, held {constant}");
+        assert!(seen.iter().all(|e| *e != error), "{name}: as another's");
+        seen.push(error);
+    }
+    let linear = named("linear");
+    assert_eq!(linear, named("angular-velocity"));
+    assert_eq!(linear, replay(&[]));
+
+    // An older head is predicted from further away; switched off, the delay is none.
+    let late = ["--predict", "constant", "--head-delay-ms", "20"];
+    assert!(rms(&replay(&late)) > 1.2 * constant);
+    let off = replay(&[&late[..], &["--off", "head-delay"]].concat());
+    assert_eq!(off, named("constant"));
+    let slow = replay(&["--predict", "constant", "--head-hz", "40"]);
+    assert!(rms(&slow) > 1.1 * constant);
+
+    s.write("s.toml", "predict = \"kalmann\"\n");
+    for words in [
+        &["replay", "t.csv", "--predict", "kalmann"][..],
+        &["run", "--predict", "kalmann", "--out", "o"],
+        &["run", "s.toml", "--out", "o"],
+    ] {
+        let ran = s.run(words);
+        assert_eq!(ran.code, 2, "{words:?}: {}", ran.err);
+        for part in ["kalmann", "`kalman`", "constant, linear, components"] {
+            assert!(ran.err.contains(part), "{words:?}: {}", ran.err);
+        }
+        assert_eq!(ran.err.trim_end().lines().count(), 1, "{}", ran.err);
+    }
+}

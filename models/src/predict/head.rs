@@ -8,9 +8,6 @@ use crate::error::in_range;
 use crate::{ModelError, Nanos, Pose, Sample, log_so3, unknown_name};
 
 /// How a head's pose is predicted from all samples so far.
-///
-/// [`PosePredictor`](crate::PosePredictor) knows the two newest samples alone: its `Linear` is
-/// `AngularVelocity` here.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum HeadPredictor {
@@ -58,6 +55,23 @@ impl HeadPredictor {
             Self::DoubleExponential(_) => "double-exponential",
         }
     }
+
+    /// Checks its settings.
+    ///
+    /// # Errors
+    /// If one is out of range; the error names it.
+    pub fn validate(self) -> Result<(), ModelError> {
+        match self {
+            Self::Kalman(noise) => {
+                noise.validate()?;
+            }
+            Self::DoubleExponential(weight) => {
+                in_range("double-exponential weight", weight, 0.001..=0.999)?;
+            }
+            _ => {}
+        }
+        Ok(())
+    }
 }
 
 impl std::str::FromStr for HeadPredictor {
@@ -96,17 +110,9 @@ impl HeadTracker {
     /// A predictor that has seen nothing.
     ///
     /// # Errors
-    /// If a setting of the predictor is out of range; the error names it.
+    /// If a setting of the predictor is out of range ([`HeadPredictor::validate`]).
     pub fn new(predictor: HeadPredictor, max_gap: Nanos) -> Result<Self, ModelError> {
-        match predictor {
-            HeadPredictor::Kalman(noise) => {
-                noise.validate()?;
-            }
-            HeadPredictor::DoubleExponential(weight) => {
-                in_range("double-exponential weight", weight, 0.001..=0.999)?;
-            }
-            _ => {}
-        }
+        predictor.validate()?;
         Ok(Self {
             predictor,
             max_gap,
@@ -117,7 +123,8 @@ impl HeadTracker {
         })
     }
 
-    /// Takes a sample, later than those before: one that is not later by 0.1 ms is passed over. After a
+    /// Takes a sample, later than those before: one that is not later by 0.1 ms tells no
+    /// velocity, and all predictors but the constant one pass it over. After a
     /// missing one, and after a hole, the head counts as still until two samples tell its velocity again.
     pub fn observe(&mut self, sample: Sample<Pose>) {
         let Some(pose) = sample.value else {
@@ -126,7 +133,11 @@ impl HeadTracker {
         };
         let t = sample.t;
         if let Some((last, _)) = self.newest[0] {
-            if t - last < SHORTEST_STEP {
+            let least = match self.predictor {
+                HeadPredictor::Constant => Nanos::ZERO,
+                _ => SHORTEST_STEP,
+            };
+            if t - last < least {
                 return;
             }
             if self.lost || t - last > self.max_gap {
@@ -165,8 +176,8 @@ impl HeadTracker {
         match self.predictor {
             HeadPredictor::Constant => Motion::still(t, pose),
             HeadPredictor::Linear => self.linear(t, pose),
-            HeadPredictor::AngularVelocity => match self.twist(0) {
-                Some((twist, _)) => Motion::steady(t, pose, twist),
+            HeadPredictor::AngularVelocity => match self.newest[1] {
+                Some((before, then)) => Motion::repeating(t, pose, before, then),
                 None => Motion::still(t, pose),
             },
             HeadPredictor::Acceleration => self.accelerated(t, pose),

@@ -4,9 +4,7 @@ mod double_exponential;
 mod head;
 mod kalman;
 mod motion;
-mod pair;
 
 pub use head::{HeadPredictor, HeadTracker};
 pub use kalman::KalmanNoise;
 pub use motion::{Motion, Twist};
-pub use pair::PosePredictor;

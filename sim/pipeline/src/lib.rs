@@ -18,8 +18,7 @@
 //!
 //! # Simplifications
 //!
-//! A gaze sample reports the truth at the middle of its exposure. Head poses arrive at the host at
-//! their own time stamps. Samples are delivered in the order in which they were exposed. One frame is
+//! A gaze sample reports the truth at the middle of its exposure. Samples are delivered in the order in which they were exposed. One frame is
 //! rendered at a time, whole, by a host whose own work on it takes no time.
 
 mod bounds;
@@ -46,7 +45,7 @@ pub use interval::Interval;
 pub use pipeline::{Pipeline, RunCounts};
 pub use rendered::{GazeStamp, PoseStamp, Rendered, Warp};
 pub use runtime::{FrameStart, Missed, Runtime};
-pub use setup::{GazeInput, Phases, Setup, SyncMode};
+pub use setup::{GazeInput, HeadSampling, Phases, Setup, SyncMode};
 pub use sink::{Recorder, Sink};
 pub use stages::{STAGES, Sensed, Stage, Stages};
 

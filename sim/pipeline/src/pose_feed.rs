@@ -1,4 +1,4 @@
-use foveasim_models::{Nanos, Pose, PosePredictor, Provenance, Sample};
+use foveasim_models::{HeadTracker, Nanos, Pose, Provenance, Rate, Sample};
 
 use crate::{Cursor, PoseStamp, Setup};
 
@@ -6,76 +6,106 @@ use crate::{Cursor, PoseStamp, Setup};
 #[derive(Debug)]
 pub(crate) struct PoseFeed<'a> {
     cursor: Cursor<'a, Pose>,
-    delay: Nanos,
-    predictor: PosePredictor,
+    arrival: Arrival,
+    head: HeadTracker,
     max_gap: Nanos,
-    /// How many samples have been looked at.
-    read: usize,
-    /// The newest present one, at the time it was so.
-    newest: Option<Sample<Pose>>,
-    /// The present one before it, if there is no loss and no hole between the two.
-    before: Option<Sample<Pose>>,
-    /// A sample was missing since the newest present one.
+    /// The newest sample is missing.
     lost: bool,
+}
+
+/// Which samples the host gets, and when.
+#[derive(Debug)]
+enum Arrival {
+    /// Each recorded sample `transit` after its time stamp, at which it was `age` old.
+    Recorded {
+        age: Nanos,
+        transit: Nanos,
+        read: usize,
+    },
+    /// What was recorded, looked up at ticks of a clock, `delay` later; `next` is the next tick.
+    Sampled {
+        rate: Rate,
+        phase: Nanos,
+        delay: Nanos,
+        next: i64,
+    },
 }
 
 impl<'a> PoseFeed<'a> {
     pub(crate) fn new(setup: &Setup<'a>) -> Option<Self> {
         let series = setup.pose?;
-        let delay = match series.provenance() {
-            Provenance::Truth => Nanos::ZERO,
-            Provenance::TrackerOutput { delay } => delay,
+        let (phase, delay) = (setup.phases.head, setup.head.delay);
+        let arrival = match (series.provenance(), setup.head.rate) {
+            (Provenance::TrackerOutput { delay }, _) => Arrival::Recorded {
+                age: delay,
+                transit: Nanos::ZERO,
+                read: 0,
+            },
+            (Provenance::Truth, None) => Arrival::Recorded {
+                age: Nanos::ZERO,
+                transit: delay,
+                read: 0,
+            },
+            (Provenance::Truth, Some(rate)) => Arrival::Sampled {
+                rate,
+                phase,
+                delay,
+                next: rate.first_at_or_after(series.samples().first()?.t - phase),
+            },
         };
-        let (cursor, predictor) = (Cursor::new(series), setup.predictor);
         Some(Self {
-            cursor,
-            delay,
-            predictor,
+            cursor: Cursor::new(series),
+            arrival,
+            head: HeadTracker::new(setup.predictor, setup.max_gap)
+                .expect("settings are checked by whoever makes the set-up"),
             max_gap: setup.max_gap,
-            read: 0,
-            newest: None,
-            before: None,
             lost: false,
         })
     }
 
     /// The pose that a frame started at `now` is drawn for, if it is to be seen at `shown`. A missing
-    /// sample leaves the newest present one in use, but held: across a loss or a hole, and after a
-    /// newest pose that is old itself, no velocity is known.
+    /// sample leaves the newest estimate in use, but held: while samples are missing, and where the
+    /// newest pose is old itself, no velocity is known.
     pub(crate) fn predict(&mut self, now: Nanos, shown: Nanos) -> Option<PoseStamp> {
-        self.cursor.seek(now);
-        let past = self.cursor.past();
-        for sample in &past[self.read.min(past.len())..] {
-            self.take(sample);
-        }
-        self.read = past.len();
-        let newest = self.newest?;
-        let before = self.before.filter(|_| now - newest.t <= self.max_gap);
-        let pose = self.predictor.predict(newest, before, shown)?;
+        self.take_up_to(now);
+        let motion = self.head.motion()?;
+        let held = self.lost || now - motion.t > self.max_gap;
         Some(PoseStamp {
-            sampled: newest.t,
+            sampled: motion.t,
             predicted_for: shown,
-            pose,
+            pose: if held { motion.pose } else { motion.at(shown) },
         })
     }
 
-    fn take(&mut self, sample: &Sample<Pose>) {
-        if sample.value.is_none() {
-            (self.before, self.lost) = (None, true);
-            return;
-        }
-        let sample = Sample {
-            t: sample.t - self.delay,
-            ..*sample
+    /// Takes the samples that have arrived by `now`.
+    fn take_up_to(&mut self, now: Nanos) {
+        let (head, lost) = (&mut self.head, &mut self.lost);
+        let mut take = |t: Nanos, value: Option<Pose>| {
+            *lost = value.is_none();
+            head.observe(Sample { t, value });
         };
-        match self.newest {
-            // Of equal times the later sample counts; what came before both is the same.
-            Some(newest) if newest.t == sample.t => {}
-            Some(newest) if !self.lost && sample.t - newest.t <= self.max_gap => {
-                self.before = Some(newest);
+        match &mut self.arrival {
+            Arrival::Recorded { age, transit, read } => {
+                self.cursor.seek(now - *transit);
+                let past = self.cursor.past();
+                for sample in &past[(*read).min(past.len())..] {
+                    take(sample.t - *age, sample.value);
+                }
+                *read = past.len();
             }
-            _ => self.before = None,
+            Arrival::Sampled {
+                rate,
+                phase,
+                delay,
+                next,
+            } => loop {
+                let t = *phase + rate.tick(*next);
+                if t + *delay > now {
+                    break;
+                }
+                take(t, self.cursor.at(t, self.max_gap));
+                *next += 1;
+            },
         }
-        (self.newest, self.lost) = (Some(sample), false);
     }
 }

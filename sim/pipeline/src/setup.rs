@@ -2,7 +2,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use foveasim_models::{
-    FrameCost, GazeDirection, GazeSeries, ModelError, Nanos, PixelResponse, PosePredictor,
+    FrameCost, GazeDirection, GazeSeries, HeadPredictor, ModelError, Nanos, PixelResponse,
     PoseSeries, Rate, ScanClock, Tracker, unknown_name,
 };
 
@@ -61,6 +61,17 @@ pub struct Phases {
     pub host: Nanos,
     /// A scan starts here.
     pub vblank: Nanos,
+    /// A head sample is taken here (not used without [`HeadSampling::rate`]).
+    pub head: Nanos,
+}
+
+/// How head poses reach the host.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub struct HeadSampling {
+    /// Samples a second; `None` if the pose is always new: a replay takes each recorded sample.
+    pub rate: Option<Rate>,
+    /// From a sample to the host having it.
+    pub delay: Nanos,
 }
 
 /// What the tracker looks at.
@@ -107,8 +118,11 @@ pub struct Setup<'a> {
     /// Head poses, if the head is tracked.
     pub pose: Option<&'a PoseSeries>,
     /// How the pose is predicted for the time of display, from samples that follow each other without
-    /// a loss or a hole ([`Setup::max_gap`]).
-    pub predictor: PosePredictor,
+    /// a loss or a hole ([`Setup::max_gap`]). Its settings must be in range
+    /// ([`HeadPredictor::validate`]).
+    pub predictor: HeadPredictor,
+    /// How poses of recorded truth reach the host; a tracker's own output does at its own time stamps.
+    pub head: HeadSampling,
     /// Seed of tracker processing time and noise.
     pub seed: u64,
     /// Number of this run: runs of the same seed draw independently.
@@ -145,7 +159,8 @@ impl<'a> Setup<'a> {
             gaze_max_age: Nanos::from_ms(DEFAULT_GAZE_MAX_AGE_MS),
             max_gap: Nanos::from_ms(DEFAULT_MAX_GAP_MS),
             pose: None,
-            predictor: PosePredictor::Constant,
+            predictor: HeadPredictor::Constant,
+            head: HeadSampling::default(),
             seed: 0,
             run: 0,
         }

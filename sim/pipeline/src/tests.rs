@@ -339,7 +339,12 @@ proptest! {
         let cost = FixedCost(Nanos(render));
         let mut setup = Setup::new(scan, response, &tracker, sync, &cost);
         let [exposure, host, vblank] = phases.map(Nanos);
-        setup.phases = Phases { exposure, host, vblank };
+        setup.phases = Phases {
+            exposure,
+            host,
+            vblank,
+            ..Phases::default()
+        };
         setup.host_rate = Rate::from_hz("f", host_hz).unwrap();
         setup.gaze = GazeInput::Constant(GazeDirection::AHEAD);
         let r = record(&setup, ms(300));

@@ -11,17 +11,9 @@ use foveasim_pipeline::{
     FrameStart, GazeInput, Interval, Movement, Phases, Runtime, Setup, SyncMode,
 };
 
+pub use foveasim_pipeline::HeadSampling;
 pub use part::{PARTS, Part};
 pub use spec::{ChainSpec, DriftSpec, render_law};
-
-/// How head poses reach the host.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct HeadSampling {
-    /// Samples a second; `None` if the pose is always new.
-    pub rate: Option<Rate>,
-    /// From a sample to the host having it.
-    pub delay: Nanos,
-}
 
 /// A valid chain: everything that latency depends on.
 #[derive(Debug, Clone, PartialEq)]

@@ -175,6 +175,7 @@ impl LatencyStudy {
             exposure: within(frame.exposures),
             host: within(frame.host_period),
             vblank: within(bounds.refresh),
+            ..Phases::default()
         };
         // A scan must be going on when gaze steps; and a host that overruns its clock keeps the phase
         // it began with: that must be uniform too.

@@ -41,7 +41,7 @@ pub use prediction::{ErrorSpread, Prediction, PredictionRow, PredictionStudy};
 pub use recording::recording_table;
 pub use replay::{
     Difference, GazeState, Golden, REPLAY_COLUMNS, Replay, ReplayError, ReplayFrame, ReplayOptions,
-    ReplayRun, ReplaySummary, Spread, replay, replay_each,
+    ReplayRun, ReplaySummary, Spread, head_predictor, replay, replay_each,
 };
 pub use reproduce::{
     Antialiasing, Column, Guenter2012, Guenter2012Outcome, LatencyBars, LatencyRow, Payoff,

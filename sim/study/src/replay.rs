@@ -5,20 +5,24 @@ mod charts;
 mod frame;
 mod golden;
 mod observer;
+mod predictor;
 mod summary;
 mod timeline;
 
 use foveasim_models::{
-    Display, FrameCost, GazeDirection, GazeMode, GazeSeries, Geometry, ModelError, Nanos,
-    PosePredictor, PoseSeries, Provenance, Rate, Recording, Role, Stream, Tracker,
+    Display, FrameCost, GazeDirection, GazeMode, GazeSeries, Geometry, HeadPredictor, ModelError,
+    Nanos, PoseSeries, Provenance, Rate, Recording, Role, Stream, Tracker,
 };
-use foveasim_pipeline::{GazeInput, Phases, Pipeline, RunCounts, Runtime, Setup, SyncMode};
+use foveasim_pipeline::{
+    GazeInput, HeadSampling, Phases, Pipeline, RunCounts, Runtime, Setup, SyncMode,
+};
 use foveasim_reports::Table;
 use glam::DVec2;
 use thiserror::Error;
 
 pub use frame::{GazeState, REPLAY_COLUMNS, ReplayFrame};
 pub use golden::{Difference, Golden};
+pub use predictor::head_predictor;
 pub use summary::{ReplaySummary, Spread};
 
 use observer::Observer;
@@ -30,6 +34,9 @@ pub enum ReplayError {
     /// The parts of the runtime's loop do not fit each other.
     #[error(transparent)]
     Runtime(ModelError),
+    /// A setting of the head's predictor or of its sampling is out of range.
+    #[error(transparent)]
+    Head(ModelError),
     /// Nothing was recorded.
     #[error("{origin}: no samples at all; a replay needs gaze or head poses")]
     Empty {
@@ -93,7 +100,9 @@ pub struct ReplayOptions {
     /// Whether the fovea follows the eye, or stays at the centre.
     pub gaze_mode: GazeMode,
     /// How the head pose is predicted.
-    pub predictor: PosePredictor,
+    pub predictor: HeadPredictor,
+    /// How head poses reach the host.
+    pub head: HeadSampling,
     /// Gaze older than this when a frame starts is given up, and the fovea goes to the centre.
     /// `None`: the pipeline's default.
     pub gaze_max_age: Option<Nanos>,
@@ -110,7 +119,8 @@ impl Default for ReplayOptions {
         Self {
             sync: SyncMode::Vsync,
             gaze_mode: GazeMode::Tracked,
-            predictor: PosePredictor::Linear,
+            predictor: HeadPredictor::AngularVelocity,
+            head: HeadSampling::default(),
             gaze_max_age: None,
             runtime: Runtime::default(),
             host_rate: None,
@@ -206,6 +216,8 @@ pub fn replay_each(
     if let Some(rate) = options.host_rate {
         setup.host_rate = rate;
     }
+    check_head(options)?;
+    setup.head = options.head;
     setup.phases = phases(&setup, options.seed, start);
     setup.seed = options.seed;
     setup.predictor = options.predictor;
@@ -387,7 +399,24 @@ fn phases(setup: &Setup<'_>, seed: u64, start: Nanos) -> Phases {
         exposure: within(setup.tracker.rate.period()),
         host: within(setup.host_rate.period()),
         vblank: within(setup.scan.rate.period()),
+        // Drawn last, and only if used: the other clocks stand where they did without it.
+        head: match setup.head.rate {
+            Some(rate) => within(rate.period()),
+            None => start,
+        },
     }
+}
+
+/// Checks how the head is sampled and predicted.
+fn check_head(options: &ReplayOptions) -> Result<(), ReplayError> {
+    options.predictor.validate().map_err(ReplayError::Head)?;
+    let delay = options.head.delay;
+    if (Nanos::ZERO..=MAX_DELAY).contains(&delay) {
+        return Ok(());
+    }
+    let valid = format!("0 to {}", MAX_DELAY.as_ms());
+    let error = ModelError::range("head delay [ms]", delay.as_ms(), valid);
+    Err(ReplayError::Head(error))
 }
 
 /// How old the newest gaze may be when a frame starts, if no sample is missing; with two periods, so

@@ -52,7 +52,7 @@ pub struct ScenarioSpec {
     pub margin_deg: f64,
     /// `tearing`, `vsync-free` or `vsync`.
     pub sync: String,
-    /// How the head pose is predicted for the time of display: `constant` or `linear`.
+    /// How the head pose is predicted for the time of display ([`head_predictor`](crate::head_predictor)).
     pub predict: String,
     /// Gaze older than this is given up, and the fovea goes to the centre \[ms\].
     pub max_gaze_age_ms: f64,

@@ -285,3 +285,19 @@ fn names_and_settings() {
     };
     assert!(refused(HeadPredictor::Kalman(noise)).contains("rotation_deg = NaN"));
 }
+
+#[test]
+fn samples_too_soon_are_news_for_the_constant_predictor_alone() {
+    for predictor in HeadPredictor::ALL {
+        let mut head = tracker(predictor);
+        for (us, x) in [(0, 0.0), (50, 1.0)] {
+            head.observe(Sample {
+                t: Nanos(us * 1000),
+                value: Some(Pose::new(DVec3::X * x, DQuat::IDENTITY)),
+            });
+        }
+        let x = head.predict(Nanos::from_ms(20.0)).unwrap().position.x;
+        let want = f64::from(u8::from(predictor == HeadPredictor::Constant));
+        assert_eq!(x, want, "{predictor:?}");
+    }
+}

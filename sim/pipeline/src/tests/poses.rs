@@ -1,7 +1,7 @@
 //! What becomes of head poses on their way into frames.
 
 use foveasim_models::{
-    Emission, FixedCost, Nanos, Pose, PosePredictor, PoseSeries, Provenance, Sample, Series,
+    Emission, FixedCost, HeadPredictor, Nanos, Pose, PoseSeries, Provenance, Rate, Sample, Series,
     presets,
 };
 use glam::{DQuat, DVec3};
@@ -21,12 +21,23 @@ fn walk(samples: &[(i64, bool)]) -> PoseSeries {
 /// How far each frame's pose is ahead of the newest sample [mm], by the frame's start [ms]: frames
 /// start every 10 ms and their middle row is lit 10 + 4.5 + 3 = 17.5 ms later.
 fn ahead(poses: &PoseSeries, end: i64) -> Vec<(i64, f64)> {
+    let (head, predictor) = (HeadSampling::default(), HeadPredictor::AngularVelocity);
+    ahead_with(poses, end, head, predictor)
+}
+
+/// As [`ahead`], for a head sampled like this.
+fn ahead_with(
+    poses: &PoseSeries,
+    end: i64,
+    head: HeadSampling,
+    predictor: HeadPredictor,
+) -> Vec<(i64, f64)> {
     let (scan, response) = panel(Emission::Rolling);
     let tracker = tracker([1_000_000; 2]);
     let cost = FixedCost(ms(4));
     let mut setup = Setup::new(scan, response, &tracker, SyncMode::Vsync, &cost);
     setup.pose = Some(poses);
-    setup.predictor = PosePredictor::Linear;
+    (setup.head, setup.predictor) = (head, predictor);
     let ahead = |f: &Rendered| {
         let stamp = f.pose?;
         assert_eq!(stamp.predicted_for, f.start + Nanos(17_500_000));
@@ -95,4 +106,65 @@ fn a_scan_gives_the_view_its_picture_was_drawn_for() {
         dark == 1 && seen.len() > 3 && seen.windows(2).all(|w| w[0] < w[1]),
         "{dark} {seen:?}"
     );
+}
+
+#[test]
+fn every_predictor_follows_a_steady_walk() {
+    let poses = walk(&(0..60).map(|i| (i * 10, true)).collect::<Vec<_>>());
+    for predictor in HeadPredictor::ALL {
+        let last = *ahead_with(&poses, 595, HeadSampling::default(), predictor)
+            .last()
+            .unwrap();
+        let (want, within) = match predictor {
+            HeadPredictor::Constant => (0.0, 0.0),
+            // A filter has yet to settle.
+            HeadPredictor::Kalman(_) => (17.5, 0.05),
+            _ => (17.5, 1e-5),
+        };
+        assert!((last.1 - want).abs() <= within, "{predictor:?}: {last:?}");
+    }
+}
+
+#[test]
+fn filters_hold_their_own_estimate_through_a_loss() {
+    // At 15 ms from the last sample, but lost: no predictor goes on.
+    let mut times: Vec<_> = (0..20).map(|i| (i * 10, true)).collect();
+    times.push((200, false));
+    for predictor in HeadPredictor::ALL {
+        let got = ahead_with(&walk(&times), 205, HeadSampling::default(), predictor);
+        let (frame, mm) = *got.last().unwrap();
+        assert!(frame == 200 && mm.abs() < 0.5, "{predictor:?}: {got:?}");
+    }
+}
+
+#[test]
+fn a_delayed_head_is_older_and_no_worse_predicted() {
+    let poses = walk(&(0..12).map(|i| (i * 10, true)).collect::<Vec<_>>());
+    let head = HeadSampling {
+        rate: None,
+        delay: Nanos(13_000_000),
+    };
+    // The newest sample known at 50 ms is that of 30 ms.
+    let got = ahead_with(&poses, 95, head, HeadPredictor::AngularVelocity);
+    assert_eq!(got[0], (20, 0.0)); // one sample alone
+    assert!(
+        got[1..].iter().all(|(_, mm)| *mm == 37.5) && got.len() > 5,
+        "{got:?}"
+    );
+}
+
+#[test]
+fn a_head_is_sampled_at_its_own_rate() {
+    let poses = walk(&(0..12).map(|i| (i * 10, true)).collect::<Vec<_>>());
+    let head = HeadSampling {
+        rate: Some(Rate::from_hz("rate", 250.0).unwrap()),
+        delay: ms(5),
+    };
+    // Samples every 4 ms, known 5 ms later: at 50 ms that of 44 ms, at 60 ms that of 52 ms.
+    let got = ahead_with(&poses, 95, head, HeadPredictor::AngularVelocity);
+    let (six, eight) = (6.0 + 17.5, 8.0 + 17.5);
+    for (start, mm) in got.into_iter().filter(|(start, _)| *start >= 20) {
+        let want = if start % 20 == 10 { six } else { eight };
+        assert_eq!(mm, want, "frame at {start} ms");
+    }
 }

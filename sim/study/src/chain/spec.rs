@@ -52,7 +52,7 @@ pub struct ChainSpec {
     /// Frames that the display holds, instead of its own number, from 0 to 4.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub buffered_frames: Option<u32>,
-    /// Head samples a second \[Hz\]; absent: the pose is always new.
+    /// Head samples a second \[Hz\]; absent: the pose is always new, or in a replay each recorded one is.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub head_hz: Option<f64>,
     /// From a head sample to the host having it \[ms\].

@@ -208,6 +208,7 @@ fn extreme(study: &LatencyStudy, longest: bool, at: Nanos) -> (LatencyStudy, Run
                 exposure,
                 host,
                 vblank,
+                ..Phases::default()
             },
             begin: -refresh * 3,
             head_wait: Nanos::ZERO,

@@ -176,11 +176,11 @@ fn head_prediction_is_judged_at_the_light() {
         errors.into_iter().fold(0.0, f64::max)
     };
     assert!(
-        error(PosePredictor::Linear) < 1e-3,
+        error(HeadPredictor::AngularVelocity) < 1e-3,
         "{}",
-        error(PosePredictor::Linear)
+        error(HeadPredictor::AngularVelocity)
     );
-    assert!(error(PosePredictor::Constant) > 0.5);
+    assert!(error(HeadPredictor::Constant) > 0.5);
 }
 
 #[test]

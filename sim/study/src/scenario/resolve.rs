@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use foveasim_models::foveation::Method;
 use foveasim_models::{
-    Acuity, CostProfile, Display, Durations, GazeMode, ModelError, Nanos, PosePredictor, Tracker,
-    presets, unknown_name,
+    Acuity, CostProfile, Display, Durations, GazeMode, ModelError, Nanos, Tracker, presets,
+    unknown_name,
 };
 use foveasim_pipeline::SyncMode;
 use foveasim_traces::{ReadOptions, ScreenSpec, TraceError};
@@ -13,7 +13,8 @@ use foveasim_traces::{ReadOptions, ScreenSpec, TraceError};
 use super::ScenarioSpec;
 use super::devices::{cost, display, display_spec, tracker, tracker_spec};
 use crate::{
-    Chain, DensityAt, MAX_RUNS, ReplayOptions, Resolution, SweepDisplay, parse_numbers, render_law,
+    Chain, DensityAt, MAX_RUNS, ReplayOptions, Resolution, SweepDisplay, head_predictor,
+    parse_numbers, render_law,
 };
 
 /// Which gaze is replayed.
@@ -199,18 +200,12 @@ impl ScenarioSpec {
             age.to_string(),
             valid,
         )?;
-        let predictor = match self.predict.as_str() {
-            "constant" => PosePredictor::Constant,
-            "linear" => PosePredictor::Linear,
-            other => {
-                let error = unknown_name("predictor", other, &["constant", "linear"]);
-                return Err(field("predict")(error));
-            }
-        };
+        let predictor = head_predictor(&self.predict).map_err(field("predict"))?;
         let replay = ReplayOptions {
             sync,
             gaze_mode,
             predictor,
+            head: chain.head,
             gaze_max_age: Some(Nanos::from_ms(age)),
             runtime: chain.runtime,
             host_rate: Some(chain.host_rate),

@@ -120,7 +120,12 @@ proptest! {
         };
         let photon = |s: &LatencyStudy| {
             let [exposure, host, vblank] = phases.map(Nanos);
-            let phases = Phases { exposure, host, vblank };
+            let phases = Phases {
+                exposure,
+                host,
+                vblank,
+                ..Phases::default()
+            };
             let start = RunStart { phases, begin: Nanos(-30_000_000), head_wait: Nanos::ZERO };
             s.simulate(&mut Pipeline::new(), 1, 1, start).0[Quantity::Gaze(Rows::Gaze).index()]
         };

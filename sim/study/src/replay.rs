@@ -5,6 +5,8 @@ mod charts;
 mod frame;
 mod golden;
 mod observer;
+mod phase_study;
+mod phases;
 mod summary;
 mod timeline;
 
@@ -19,6 +21,8 @@ use thiserror::Error;
 
 pub use frame::{GazeState, REPLAY_COLUMNS, ReplayFrame};
 pub use golden::{Difference, Golden};
+pub use phase_study::{Margin, PhaseRow, PhaseSpec, PhaseStudy, SUPPRESSION};
+pub use phases::{GazePhase, GazePhases, LANDING};
 pub use summary::{ReplaySummary, Spread};
 
 use observer::Observer;

@@ -265,6 +265,7 @@ fn gaze_error() -> LineChart {
         shaded: vec![[8.0, 9.2], [21.0, 21.15]],
         shaded_label: "gaze missing".into(),
         levels: vec![(3.36, "edge of the inner layer".into())],
+        ..LineChart::default()
     }
 }
 

@@ -2,6 +2,7 @@ use std::ops::Range;
 
 use plotters::prelude::{ChartBuilder, Circle, LineSeries as Curve};
 use plotters::style::text_anchor::HPos;
+use plotters::style::{Color, RGBAColor};
 
 use crate::axes::{Axes, drawable, exactly, numbers_width, roomy, tick};
 use crate::frame::{
@@ -38,6 +39,10 @@ pub struct LineChart {
     pub shaded_label: String,
     /// Horizontal lines and what they are: a mean, a limit. The legend names them with their value.
     pub levels: Vec<(f64, String)>,
+    /// Stretches of the horizontal axis to mark in a colour: events, as saccades.
+    pub marked: Vec<[f64; 2]>,
+    /// What the marks mean; needed if there is any.
+    pub marked_label: String,
 }
 
 /// Numbers along the axes, at most.
@@ -56,15 +61,18 @@ impl LineChart {
         if points().next().is_none() {
             return nothing(&self.title);
         }
-        let shaded = self.shaded.iter().copied();
-        let shaded = merged(shaded.filter(|s| is_drawable(s) && s[0] <= s[1]).collect());
+        let stretches = |of: &[[f64; 2]]| {
+            let of = of.iter().copied();
+            merged(of.filter(|s| is_drawable(s) && s[0] <= s[1]).collect())
+        };
+        let (shaded, marked) = (stretches(&self.shaded), stretches(&self.marked));
         let levels: Vec<&(f64, String)> = self.levels.iter().filter(|l| drawable(l.0)).collect();
         let span = |k: usize, others: &[f64]| {
             let all = || points().map(|p| p[k]).chain(others.iter().copied());
             let low = all().fold(f64::INFINITY, f64::min);
             (low, all().fold(f64::NEG_INFINITY, f64::max))
         };
-        let (low, high) = span(0, shaded.as_flattened());
+        let (low, high) = span(0, &[shaded.as_flattened(), marked.as_flattened()].concat());
         let x = exactly(low, high);
         let (low, high) = span(1, &levels.iter().map(|l| l.0).collect::<Vec<_>>());
         let y = roomy(low, high);
@@ -72,7 +80,7 @@ impl LineChart {
         let height = 28.0 + PLOT + FOOT;
         picture(
             &self.title,
-            &self.keys(!shaded.is_empty(), &levels),
+            &self.keys(!shaded.is_empty(), !marked.is_empty(), &levels),
             height,
             |root, body| {
                 text(
@@ -99,15 +107,14 @@ impl LineChart {
                 }
                 .draw(&mut chart)?;
                 let plot = chart.plotting_area();
-                for [from, to] in shaded {
+                let grounds = [(shaded, shade()), (marked, mark())];
+                let grounds = grounds
+                    .into_iter()
+                    .flat_map(|(of, colour)| of.into_iter().map(move |s| (s, colour)));
+                for ([from, to], colour) in grounds {
                     let ([left, upper], [right, lower]) =
                         (place(plot, (from, y.end)), place(plot, (to, y.start)));
-                    block(
-                        root,
-                        [left, upper],
-                        [right.max(left + 0.75), lower],
-                        shade(),
-                    )?;
+                    block(root, [left, upper], [right.max(left + 0.75), lower], colour)?;
                 }
                 for (i, series) in self.series.iter().enumerate() {
                     let style = stroke(theme::series(i), 1.8);
@@ -143,13 +150,16 @@ impl LineChart {
         )
     }
 
-    fn keys(&self, shaded: bool, levels: &[&(f64, String)]) -> Vec<Key> {
+    fn keys(&self, shaded: bool, marked: bool, levels: &[&(f64, String)]) -> Vec<Key> {
         let series = self.series.iter().enumerate();
         let mut keys: Vec<Key> = series
             .map(|(i, s)| Key::new(theme::series(i), Sample::Line, &s.label))
             .collect();
         if shaded {
             keys.push(Key::new(shade(), Sample::Block, &self.shaded_label));
+        }
+        if marked {
+            keys.push(Key::new(mark(), Sample::Block, &self.marked_label));
         }
         keys.extend(levels.iter().map(|(level, label)| {
             Key::new(
@@ -160,6 +170,11 @@ impl LineChart {
         }));
         keys
     }
+}
+
+/// Ground of events: a colour that few charts have so many lines for, and thin enough to see lines on.
+fn mark() -> RGBAColor {
+    theme::series(4).mix(0.3)
 }
 
 fn is_drawable(p: &[f64; 2]) -> bool {

@@ -48,7 +48,7 @@ enum Command {
     Run(Box<run::Args>),
     Plan(plan::Args),
     Latency(latency::Args),
-    Replay(replay::Args),
+    Replay(Box<replay::Args>),
     Render(render::Args),
     Reproduce(reproduce::Args),
     Trace(trace::Args),

@@ -1,12 +1,18 @@
 use std::path::{Path, PathBuf};
 
-use foveasim_models::{DrawnCost, FrameCost, GazeMode, HeadPredictor, MeasuredCost};
+use foveasim_models::foveation::Method;
+use foveasim_models::{
+    Acuity, Display, DrawnCost, FrameCost, GazeMode, HeadPredictor, MeasuredCost, Nanos, Rate,
+    Recording,
+};
 use foveasim_pipeline::SyncMode;
-use foveasim_study::{Golden, ReplayOptions, head_predictor, replay};
-use foveasim_traces::read_path;
+use foveasim_study::{
+    GazePhases, Golden, PhaseSpec, PhaseStudy, ReplayOptions, SUPPRESSION, head_predictor, replay,
+};
+use foveasim_traces::{EventOptions, decimate_gaze, read_path};
 
 use super::chain::ChainFlags;
-use super::trace::ReadFlags;
+use super::trace::{self, ReadFlags};
 use super::{Context, Failure, options};
 
 /// A recording through the gaze-to-photon chain: one row per displayed frame.
@@ -19,12 +25,20 @@ use super::{Context, Failure, options};
   foveasim replay gaze.tsv --display lg-w2363d --tracker tx300 --format csv
   foveasim replay user116.csv --display quest-pro --tracker quest-pro --digest > golden.txt
   foveasim replay user116.csv --display quest-pro --tracker quest-pro --check golden.txt
+  foveasim replay gaze.tsv --phases --decimate 72
 
 Columns: times count from the start of the recording. gaze_state is tracked; held (newer samples are
 missing, the last one is used); lost (none, or too old: the fovea is at the centre); or fixed.
 gaze_age_ms counts from the middle of the exposure that the frame used, exposure_to_photon_ms from
 its start, both to the light of the row gazed at. gaze_error_deg is the angle between the true gaze and
 the drawn fovea at that moment; empty where the true gaze was not recorded.
+
+--phases prints, for all frames and by what the eye does (fixation; saccade; landing, up to 50 ms after
+one; other), the angle between eye and drawn fovea, and for the margins that are as wide as its 95th and 99th
+percentile: sample_factor, how many times more samples they take; pops_per_minute, jumps of the fovea by
+more than the margin that are neither in a saccade or blink nor within --suppression-ms after a saccade;
+pop_chance_per_minute, that of at least one. decimation_bias_p95_deg: how much wider (narrower, if
+negative) the 95th percentile comes out of the slower recording. It is phases.csv in --out.
 
 --check exits with 1 at the first difference, and with 2 if the golden file cannot be read.")]
 pub(crate) struct Args {
@@ -55,6 +69,22 @@ pub(crate) struct Args {
     /// Gaze older than this is given up, and the fovea goes to the centre [ms] [default: 250]
     #[arg(long, value_name = "MS", allow_hyphen_values = true)]
     max_gaze_age_ms: Option<f64>,
+    /// Print the gaze error by what the eye does, instead of a row per frame
+    #[arg(long, conflicts_with_all = ["digest", "check"])]
+    phases: bool,
+    /// What the margins of --phases are counted for [default: layers:3]
+    #[arg(long, value_name = "METHOD", conflicts_with_all = ["digest", "check"])]
+    method: Option<Method>,
+    /// Acuity slope for it: guenter-a, guenter-b, a quality index j:12, or a number [default: guenter-a]
+    #[arg(long, value_name = "SLOPE", value_parser = Acuity::parse, conflicts_with_all = ["digest", "check"])]
+    slope: Option<Acuity>,
+    /// How long after a saccade jumps of the fovea go unseen [ms] [default: 60]
+    #[arg(long, value_name = "MS", allow_hyphen_values = true, conflicts_with_all = ["digest", "check"])]
+    suppression_ms: Option<f64>,
+    /// Replay the recording with its gaze decimated to this rate as well [Hz], and say what that does to
+    /// the 95th percentiles of --phases
+    #[arg(long, value_name = "HZ", value_parser = trace::rate, conflicts_with_all = ["digest", "check"])]
+    decimate: Option<Rate>,
     /// Print only the table's digest
     #[arg(long, conflicts_with = "check")]
     digest: bool,
@@ -66,6 +96,9 @@ pub(crate) struct Args {
     #[command(flatten)]
     read: ReadFlags,
 }
+
+/// Holes longer than this stay missing when gaze is decimated.
+const MAX_GAP: Nanos = Nanos(100_000_000);
 
 pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
     let display = options::display(&args.display)?;
@@ -88,6 +121,7 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
         host_rate: Some(chain.host_rate),
         seed: ctx.seed,
     };
+    let study = args.study(ctx, display)?;
     let mut outputs = match &ctx.out {
         Some(_) => Some(ctx.outputs("out")?),
         None => None,
@@ -103,18 +137,48 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
         Some(measured) => measured,
         None => &drawn,
     };
-    let out = replay(&recording, display, tracker, cost, &options)?;
+    let play = |recording: &Recording| replay(recording, display, tracker, cost, &options);
+    let out = play(&recording)?;
     let table = out.table();
+    let events = |of: &Recording| GazePhases::find(of, &EventOptions::default());
+    // What was not asked for is left out where the recording has no events.
+    let phases = match &study {
+        Some(_) if args.asks_for_phases() => Some(events(&recording)?),
+        Some(_) => events(&recording).ok(),
+        None => None,
+    };
+    let by_phase = match (&study, &phases) {
+        (Some(spec), Some(phases)) => {
+            let whole = PhaseStudy::new(&out, phases, spec)?;
+            let slow = args.decimate.map(|rate| -> Result<_, Failure> {
+                let slow = decimate_gaze(&recording, rate, MAX_GAP)?;
+                Ok(PhaseStudy::new(&play(&slow)?, &events(&slow)?, spec)?)
+            });
+            let slow = slow.transpose()?;
+            Some(whole.table(slow.as_ref()))
+        }
+        _ => None,
+    };
 
     for note in recording.notes.iter().chain(&out.notes) {
         ctx.warn(note);
+    }
+    for warning in phases.iter().filter_map(GazePhases::warning) {
+        ctx.warn(&warning);
     }
     for line in out.summary().lines() {
         ctx.note(&line);
     }
     if let Some(mut outputs) = outputs.take() {
         outputs.add("replay.csv", table.csv());
-        outputs.add("gaze_error.svg", out.gaze_error_chart().svg());
+        outputs.add(
+            "gaze_error.svg",
+            out.gaze_error_chart(phases.as_ref()).svg(),
+        );
+        outputs.add("gaze_path.svg", out.gaze_path_chart(phases.as_ref()).svg());
+        if let Some(table) = &by_phase {
+            outputs.add("phases.csv", table.csv());
+        }
         outputs.add("timeline.json", out.timeline(display).json());
         outputs.commit()?;
     }
@@ -130,7 +194,52 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
     if args.digest {
         return ctx.print(&format!("{}\n", table.digest()));
     }
-    ctx.print_table(&table)
+    match by_phase {
+        Some(by_phase) if args.phases => ctx.print_table(&by_phase),
+        _ => ctx.print_table(&table),
+    }
+}
+
+impl Args {
+    /// Whether a flag needs the events of the recording.
+    fn asks_for_phases(&self) -> bool {
+        self.phases
+            || self.method.is_some()
+            || self.slope.is_some()
+            || self.suppression_ms.is_some()
+            || self.decimate.is_some()
+    }
+
+    /// What to split the gaze error for; `None` where nobody would see it.
+    fn study<'a>(
+        &self,
+        ctx: &Context,
+        display: &'a Display,
+    ) -> Result<Option<PhaseSpec<'a>>, Failure> {
+        if !self.phases && ctx.out.is_none() {
+            if self.asks_for_phases() {
+                let flags = "--method, --slope, --suppression-ms and --decimate";
+                return Err(Failure::bad_input(format!(
+                    "{flags} are for the table of --phases: give --phases, or --out DIR to keep it"
+                )));
+            }
+            return Ok(None);
+        }
+        let suppression = self
+            .suppression_ms
+            .map(|ms| options::milliseconds("--suppression-ms", ms))
+            .transpose()?;
+        let method = match self.method {
+            Some(method) => method,
+            None => "layers:3".parse()?,
+        };
+        Ok(Some(PhaseSpec {
+            display,
+            method,
+            acuity: self.slope.unwrap_or_default(),
+            suppression: suppression.unwrap_or(SUPPRESSION),
+        }))
+    }
 }
 
 /// A golden file: read before the replay, so that a wrong path costs no time.

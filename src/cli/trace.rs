@@ -263,7 +263,7 @@ fn seconds_range(text: &str) -> Result<(Nanos, Nanos), String> {
     }
 }
 
-fn rate(text: &str) -> Result<Rate, String> {
+pub(crate) fn rate(text: &str) -> Result<Rate, String> {
     let hz = text
         .parse()
         .map_err(|_| "want a number of hertz, as in 300".to_owned())?;

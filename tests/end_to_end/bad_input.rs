@@ -171,6 +171,27 @@ fn traces() {
 }
 
 #[test]
+fn phases_of_a_replay() {
+    let s = Scratch::new();
+    s.ok(&["trace", "synth", "--duration", "1s", "--to", "t.csv"]);
+    for (flags, part) in [
+        (&["--phases", "--suppression-ms", "-1"][..], "0 to 10000"),
+        (&["--phases", "--suppression-ms", "NaN"], "0 to 10000"),
+        (&["--phases", "--decimate", "0"], "--decimate"),
+        (&["--phases", "--decimate", "NaN"], "--decimate"),
+        (&["--phases", "--decimate", "5000"], "below the"),
+        (&["--phases", "--decimate", "1"], "3"),
+        (&["--phases", "--method", "layer"], "did you mean `layers`"),
+        (&["--phases", "--slope", "steep"], "steep"),
+        (&["--phases", "--digest"], "--digest"),
+        (&["--decimate", "72"], "--phases"),
+    ] {
+        let args: Vec<&str> = ["replay", "t.csv"].iter().chain(flags).copied().collect();
+        refused(&s, &args, &[part]);
+    }
+}
+
+#[test]
 fn scenarios_and_folders() {
     let s = Scratch::new();
     s.write("wrong.toml", "seed = 1\nmetod = \"full\"\n");

@@ -86,6 +86,24 @@ fn a_frame_does_not_depend_on_threads_or_vector_width() {
 }
 
 #[test]
+fn phases_are_the_same_on_any_threads() {
+    let scratch = Scratch::new();
+    let synth = "trace synth --duration 6s --gaze-rate 1200 --to t.csv";
+    scratch.ok(&synth.split(' ').collect::<Vec<_>>());
+    let phases = |threads| {
+        let flags = "replay t.csv --phases --decimate 72 --format csv --threads";
+        let args: Vec<&str> = flags.split(' ').chain([threads]).collect();
+        scratch.ok(&args)
+    };
+    let one = phases("1");
+    assert!(
+        one.starts_with("phase,frames,") && one.contains("\nlanding,"),
+        "{one}"
+    );
+    assert!(["2", "7"].iter().all(|threads| phases(threads) == one));
+}
+
+#[test]
 fn a_golden_replay_names_the_first_difference() {
     let scratch = Scratch::new();
     scratch.ok(&["trace", "synth", "--duration", "2s", "--to", "t.csv"]);

@@ -1,7 +1,7 @@
 use foveasim_models::{Interpolate, Nanos, Rate, Recording, Sample, Series};
 
-use crate::TraceError;
 use crate::synth::MAX_SAMPLES;
+use crate::{TraceError, require_gaze};
 
 /// The series at the ticks of `rate`, counted from its first sample and no further than its last.
 ///
@@ -65,6 +65,31 @@ pub fn resample_recording(
         gaze,
         pose,
         notes,
+        ..recording.clone()
+    })
+}
+
+/// The recording with its gaze as a slower tracker would have sampled it, at the ticks of `rate`; as
+/// [`resample`], and the head as it was.
+///
+/// # Errors
+/// If it has no gaze, or `rate` is not below that of the recording (its median).
+pub fn decimate_gaze(
+    recording: &Recording,
+    rate: Rate,
+    max_gap: Nanos,
+) -> Result<Recording, TraceError> {
+    let gaze = require_gaze(recording)?;
+    let times = gaze.samples().windows(2);
+    let mut steps: Vec<Nanos> = times.map(|w| w[1].t - w[0].t).collect();
+    steps.sort_unstable();
+    let step = steps.get(steps.len() / 2).copied().unwrap_or_default();
+    if rate.period() <= step {
+        let valid = format!("below the {:.1} Hz of the recording", 1.0 / step.as_secs());
+        return Err(TraceError::option("decimate", rate.hz(), valid));
+    }
+    Ok(Recording {
+        gaze: Some(resample(gaze, rate, max_gap)?),
         ..recording.clone()
     })
 }

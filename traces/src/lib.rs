@@ -34,7 +34,7 @@ mod synth;
 mod write;
 
 pub use check::{require_gaze, require_pose};
-pub use edit::{rebase, resample, resample_recording, slice};
+pub use edit::{decimate_gaze, rebase, resample, resample_recording, slice};
 pub use error::TraceError;
 pub use events::{
     Agreement, Estimate, EventMethod, EventOptions, GazeEvent, GazeEvents, MainSequence,

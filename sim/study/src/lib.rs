@@ -5,7 +5,7 @@
 //! * [`EventStudy`]: fixations, saccades and blinks of a recording;
 //! * [`PredictionStudy`]: how well head pose is foreseen in a recording;
 //! * [`ScanlineStudy`]: how far the view is off, row by row;
-//! * [`replay()`]: a recording, frame by displayed frame;
+//! * [`replay()`]: a recording, frame by displayed frame, and [`PhaseStudy`]: by what the eye does;
 //! * [`FrameStudy`]: one frame by any method beside its reference;
 //! * [`TemporalStudy`]: consecutive frames beside a [`supersampled`] reference: what flickers;
 //! * [`Guenter2012`]: a paper's tables and figures, ours beside theirs;
@@ -40,8 +40,9 @@ pub use numbers::parse_numbers;
 pub use prediction::{ErrorSpread, Prediction, PredictionRow, PredictionStudy};
 pub use recording::recording_table;
 pub use replay::{
-    Difference, GazeState, Golden, REPLAY_COLUMNS, Replay, ReplayError, ReplayFrame, ReplayOptions,
-    ReplayRun, ReplaySummary, Spread, head_predictor, replay, replay_each,
+    Difference, GazePhase, GazePhases, GazeState, Golden, LANDING, Margin, PhaseRow, PhaseSpec,
+    PhaseStudy, REPLAY_COLUMNS, Replay, ReplayError, ReplayFrame, ReplayOptions, ReplayRun,
+    ReplaySummary, SUPPRESSION, Spread, head_predictor, replay, replay_each,
 };
 pub use reproduce::{
     Antialiasing, Column, Guenter2012, Guenter2012Outcome, LatencyBars, LatencyRow, Payoff,

@@ -5,6 +5,8 @@ mod charts;
 mod frame;
 mod golden;
 mod observer;
+mod phase_study;
+mod phases;
 mod predictor;
 mod summary;
 mod timeline;
@@ -22,6 +24,8 @@ use thiserror::Error;
 
 pub use frame::{GazeState, REPLAY_COLUMNS, ReplayFrame};
 pub use golden::{Difference, Golden};
+pub use phase_study::{Margin, PhaseRow, PhaseSpec, PhaseStudy, SUPPRESSION};
+pub use phases::{GazePhase, GazePhases, LANDING};
 pub use predictor::head_predictor;
 pub use summary::{ReplaySummary, Spread};
 

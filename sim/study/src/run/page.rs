@@ -2,10 +2,11 @@ use foveasim_models::foveation::Method;
 use foveasim_models::presets::Fact;
 use foveasim_models::{Acuity, GazeMode, Geometry};
 use foveasim_reports::{BarChart, BarSeries, Cell, Page, ReportError, Table, annotated};
+use foveasim_traces::EventOptions;
 
 use super::moments::PAGE_IMAGE_PX;
 use super::{Moment, Run, RunError, moments};
-use crate::{Quantity, RenderTime, Rows, Scenario};
+use crate::{GazePhases, Quantity, RenderTime, Rows, Scenario};
 
 /// Everything in one page that needs nothing else.
 pub(super) fn page(run: &Run, scenario: &Scenario) -> Result<String, RunError> {
@@ -211,10 +212,12 @@ fn recording(page: &mut Page, run: &Run) -> Result<(), RunError> {
         page.subheading("What was repaired or assumed");
         page.list(notes);
     }
+    // Recordings without gaze, or too short for events, have none to mark.
+    let phases = GazePhases::find(&run.recording, &EventOptions::default()).ok();
     page.svg(
         "The angle between where the eye was when the row it looked at gave light, and where the fovea of \
          that picture had been drawn. Saccades stand out: the picture follows one latency later.",
-        &run.replay.gaze_error_chart().svg(),
+        &run.replay.gaze_error_chart(phases.as_ref()).svg(),
     );
     page.details("What was recorded", |page| -> Result<(), RunError> {
         page.table("", &run.recording_table());

@@ -1,6 +1,7 @@
 //! Hot loops, one source for every vector width.
 
 mod attributes;
+mod batch;
 mod blocks;
 mod cubic;
 mod dispatch;

@@ -5,12 +5,13 @@ use glam::{DMat3, DVec3};
 
 use super::Kernel;
 use super::attributes::{Attributes, Details, Loose};
+use super::batch::Batch;
 use super::phong::phong;
 use super::sky::{aerial, sky};
 use super::surface::surface;
 use super::terrain::terrain;
 use super::textured::textured;
-use super::wide::{F, M, Simd, U, V3, WIDTH, apart, max, min, piece, saturate, splat};
+use super::wide::{F, Simd, V3, WIDTH, apart, max, piece, splat};
 use crate::fragments::{Fragment, Fragments, SKY};
 use crate::project::Projection;
 use crate::raster::Needs;
@@ -62,13 +63,13 @@ impl Light {
 pub(crate) struct ShadeContext<'a> {
     scene: &'a Scene,
     light: Light,
-    eye: [f32; 3],
+    pub(super) eye: [f32; 3],
     /// Rows of world_from_eye's rotation, for directions (tx, ty, 1) with w = −z.
-    world_from_direction: [[f32; 3]; 3],
-    tan_origin: [f32; 2],
-    tan_step: [f32; 2],
+    pub(super) world_from_direction: [[f32; 3]; 3],
+    pub(super) tan_origin: [f32; 2],
+    pub(super) tan_step: [f32; 2],
     /// Width that a sample averages over, as a tangent.
-    sample_tan: f32,
+    pub(super) sample_tan: f32,
 }
 
 impl<'a> ShadeContext<'a> {
@@ -424,235 +425,3 @@ const MIDDLES: [[f32; WIDTH]; 2] = {
     }
     middles
 };
-
-/// [`WIDTH`] places to be shaded.
-struct Batch<'a, S: Simd> {
-    lattice: [F<S>; 2],
-    /// Scale and shift from lattice to display pixels, for x and y.
-    display: &'a [[f32; 2]; 2],
-    /// 1/w, as the depth test has it.
-    inverse_w: F<S>,
-    triangles: &'a [Attributes],
-    details: &'a [Details],
-    /// Lanes whose place may lie outside of their triangle.
-    beside: u32,
-    /// Which triangle each lane sees: its slot, or its place among the visible.
-    slots: &'a [u32; WIDTH],
-    /// Place among the visible of each slot.
-    of_slot: Option<&'a [u32]>,
-    /// Along the longer side, how many samples share the evaluation.
-    coarseness: F<S>,
-}
-
-/// Attributes that the lanes of a batch see.
-struct Found<S: Simd> {
-    /// Normal in the world, of any length.
-    normal: V3<S>,
-    /// Position in the object.
-    object: V3<S>,
-    uv: [F<S>; 2],
-    /// Object units and texture units per metre.
-    per_metre: [F<S>; 2],
-}
-
-impl<S: Simd> Batch<'_, S> {
-    /// Direction (not unit length: w = 1) in the world, and the angle a sample spans.
-    #[inline(always)]
-    fn ray(&self, c: &ShadeContext<'_>) -> (V3<S>, F<S>) {
-        piece(
-            self.coarseness.simd,
-            #[inline(always)]
-            || {
-                // By way of display pixels, so that passes on the display's own grid agree to the bit.
-                let [x, y] = self.display;
-                let px = self.lattice[0] * x[0] + x[1];
-                let py = self.lattice[1] * y[0] + y[1];
-                let tx = px * c.tan_step[0] + c.tan_origin[0];
-                let ty = py * c.tan_step[1] + c.tan_origin[1];
-                let [x, y, z] = c.world_from_direction;
-                let direction = V3 {
-                    x: tx * x[0] + ty * x[1] + x[2],
-                    y: tx * y[0] + ty * y[1] + y[2],
-                    z: tx * z[0] + ty * z[1] + z[2],
-                };
-                // dα ≤ d tan α; towards the edge of the image a sample spans less.
-                let secant2 = tx * tx + ty * ty + 1.0;
-                (direction, self.coarseness * c.sample_tan / secant2)
-            },
-        )
-    }
-
-    /// What the samples see; a function of its own, shared by all materials.
-    #[inline(always)]
-    fn hit(&self, c: &ShadeContext<'_>, simd: S, needs: Needs) -> Hit<S> {
-        apart(
-            simd,
-            #[inline(always)]
-            || self.hit_inline(c, simd, needs),
-        )
-    }
-
-    #[inline(always)]
-    fn hit_inline(&self, c: &ShadeContext<'_>, simd: S, needs: Needs) -> Hit<S> {
-        let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
-        let w = one / self.inverse_w;
-        let mut found = Found {
-            normal: V3::splat(simd, [0.0; 3]),
-            object: V3::splat(simd, [0.0; 3]),
-            uv: [zero; 2],
-            per_metre: [zero; 2],
-        };
-        // Neighbours mostly see the same triangle: one round for each that the lanes see.
-        let slots = U::from_slice(simd, self.slots);
-        let mut rest = (1u32 << WIDTH) - 1;
-        while rest != 0 {
-            let slot = self.slots[rest.trailing_zeros() as usize % WIDTH];
-            let here = slots.simd_eq(slot);
-            rest &= !(here.to_bitmask() as u32);
-            piece(
-                simd,
-                #[inline(always)]
-                || self.triangle(simd, slot, here, w, needs, &mut found),
-            );
-        }
-        let Found {
-            normal,
-            object,
-            uv,
-            per_metre,
-        } = found;
-        let (direction, angle) = self.ray(c);
-        let world = V3::splat(simd, c.eye).add(direction.scale(w));
-        let normal = normal.normalize();
-        let view = direction.scale(-one).normalize();
-        // A slanted surface shows more per sample. One number stands for the ellipse: between its
-        // short and its long axis, lest grazing ground blur away altogether.
-        let facing = max(normal.dot(view), splat(simd, 0.08));
-        let footprint = w * (self.coarseness * c.sample_tan) / facing.sqrt();
-        Hit {
-            world,
-            object,
-            normal,
-            view,
-            uv,
-            footprint,
-            object_footprint: footprint * per_metre[0],
-            uv_footprint: footprint * per_metre[1],
-            angle,
-        }
-    }
-
-    /// What the lanes `here`, at distances `w`, see of a triangle.
-    #[inline(always)]
-    fn triangle(
-        &self,
-        simd: S,
-        slot: u32,
-        here: M<S>,
-        w: F<S>,
-        needs: Needs,
-        found: &mut Found<S>,
-    ) {
-        let name = self.of_slot.map_or(slot, |places| places[slot as usize]) as usize;
-        let a = &self.triangles[name].0;
-        let dx = self.lattice[0] - a[Attributes::CORNER];
-        let dy = self.lattice[1] - a[Attributes::CORNER + 1];
-        let over_w = V3 {
-            x: plane(a, Attributes::NORMAL, 3, dx, dy),
-            y: plane(a, Attributes::NORMAL + 1, 3, dx, dy),
-            z: plane(a, Attributes::NORMAL + 2, 3, dx, dy),
-        };
-        found.normal = select(here, over_w, found.normal);
-        if !(needs.object || needs.uv || self.beside != 0) {
-            return;
-        }
-        let beside = M::from_bitmask(simd, self.beside.into());
-        let a = &self.details[name].0;
-        let weight = Details::WEIGHTS;
-        let second = plane(a, weight, 1, dx, dy) * w;
-        let third = plane(a, weight + 3, 1, dx, dy) * w;
-        // A place beside its triangle has the attributes of one within.
-        let second = saturate(second);
-        let third = min(saturate(third), splat(simd, 1.0) - second);
-        let within = triple(a, Details::NORMAL, second, third);
-        found.normal = select(here & beside, within, found.normal);
-        if needs.object {
-            let place = triple(a, Details::OBJECT, second, third);
-            found.object = select(here, place, found.object);
-            let scale = splat(simd, a[Details::PER_METRE]);
-            found.per_metre[0] = here.select(scale, found.per_metre[0]);
-        }
-        if needs.uv {
-            for (k, uv) in found.uv.iter_mut().enumerate() {
-                let value = blend(a, Details::UV + k, 2, second, third);
-                *uv = here.select(value, *uv);
-            }
-            let scale = splat(simd, a[Details::PER_METRE + 1]);
-            found.per_metre[1] = here.select(scale, found.per_metre[1]);
-        }
-    }
-
-    /// From the eye \[m\].
-    #[inline(always)]
-    fn distance(&self, c: &ShadeContext<'_>, hit: &Hit<S>) -> F<S> {
-        piece(
-            hit.angle.simd,
-            #[inline(always)]
-            || {
-                let to = hit
-                    .world
-                    .add(V3::splat(hit.angle.simd, [-c.eye[0], -c.eye[1], -c.eye[2]]));
-                to.dot(to).sqrt()
-            },
-        )
-    }
-}
-
-/// Value of a plane whose start and changes along x and y are `stride` apart.
-#[inline(always)]
-fn plane<S: Simd>(a: &[f32], first: usize, stride: usize, dx: F<S>, dy: F<S>) -> F<S> {
-    piece(
-        dx.simd,
-        #[inline(always)]
-        || dx * a[first + stride] + a[first] + dy * a[first + 2 * stride],
-    )
-}
-
-/// Attribute `first` of a triangle, whose changes follow in steps of `stride`.
-#[inline(always)]
-fn blend<S: Simd>(
-    a: &[f32; Details::COUNT],
-    first: usize,
-    stride: usize,
-    second: F<S>,
-    third: F<S>,
-) -> F<S> {
-    piece(
-        second.simd,
-        #[inline(always)]
-        || second * a[first + stride] + a[first] + third * a[first + 2 * stride],
-    )
-}
-
-#[inline(always)]
-fn triple<S: Simd>(a: &[f32; Details::COUNT], first: usize, second: F<S>, third: F<S>) -> V3<S> {
-    V3 {
-        x: blend(a, first, 3, second, third),
-        y: blend(a, first + 1, 3, second, third),
-        z: blend(a, first + 2, 3, second, third),
-    }
-}
-
-/// `a` where `here`, else `b`.
-#[inline(always)]
-fn select<S: Simd>(here: M<S>, a: V3<S>, b: V3<S>) -> V3<S> {
-    piece(
-        a.x.simd,
-        #[inline(always)]
-        || V3 {
-            x: here.select(a.x, b.x),
-            y: here.select(a.y, b.y),
-            z: here.select(a.z, b.z),
-        },
-    )
-}

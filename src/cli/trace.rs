@@ -2,7 +2,7 @@ use std::path::PathBuf;
 
 use clap::Subcommand;
 use foveasim_models::{Nanos, Provenance, Rate, Recording};
-use foveasim_reports::{Cell, Table};
+use foveasim_reports::{Cell, LineChart, Table};
 use foveasim_traces::{ReadOptions, ScreenSpec, SynthSpec};
 
 use super::{Context, Failure, trace_events, trace_predict, trace_scanlines};
@@ -216,11 +216,47 @@ fn synth(args: &SynthArgs, ctx: &Context) -> Result<(), Failure> {
 }
 
 /// Adds the rows of a table of the same columns.
-pub(crate) fn append(all: &mut Option<Table>, table: Table) {
+fn append(all: &mut Option<Table>, table: Table) {
     match all {
         None => *all = Some(table),
         Some(all) => table.rows().iter().for_each(|row| all.push(row.clone())),
     }
+}
+
+/// One table of what `study` finds in each of several recordings, printed and, with `--out`, written as `csv`
+/// beside its charts.
+pub(crate) fn each_recording(
+    files: &[PathBuf],
+    read: &ReadFlags,
+    ctx: &Context,
+    csv: &str,
+    study: impl Fn(&Recording) -> Result<(Table, [(&'static str, LineChart); 2]), Failure>,
+) -> Result<(), Failure> {
+    let mut outputs = match &ctx.out {
+        Some(_) => Some(ctx.outputs("out")?),
+        None => None,
+    };
+    let mut all: Option<Table> = None;
+    for (i, file) in files.iter().enumerate() {
+        let recording = foveasim_traces::read_path(file, &read.options())?;
+        let (table, charts) = study(&recording)?;
+        if let Some(outputs) = &mut outputs {
+            let stem = file
+                .file_stem()
+                .and_then(|s| s.to_str())
+                .unwrap_or("recording");
+            for (what, chart) in charts {
+                outputs.add(format!("{:02}_{stem}_{what}.svg", i + 1), chart.svg());
+            }
+        }
+        append(&mut all, table);
+    }
+    let Some(table) = all else { return Ok(()) };
+    if let Some(mut outputs) = outputs {
+        outputs.add(csv, table.csv());
+        outputs.commit()?;
+    }
+    ctx.print_table(&table)
 }
 
 /// Writes a recording to a file, or to standard output.

@@ -1,10 +1,9 @@
 use std::path::PathBuf;
 
 use foveasim_models::{HeadPredictor, Nanos};
-use foveasim_reports::Table;
 use foveasim_study::{PredictionStudy, parse_numbers};
 
-use super::trace::{ReadFlags, duration};
+use super::trace::{ReadFlags, duration, each_recording};
 use super::{Context, Failure};
 
 /// Longest horizon \[ms\].
@@ -63,29 +62,18 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
     if !args.predictor.is_empty() {
         study.predictors.clone_from(&args.predictor);
     }
-    let mut outputs = match &ctx.out {
-        Some(_) => Some(ctx.outputs("out")?),
-        None => None,
-    };
-    let mut all: Option<Table> = None;
-    for (i, file) in args.files.iter().enumerate() {
-        let recording = foveasim_traces::read_path(file, &args.read.options())?;
-        let prediction = study.run(&recording)?;
-        if let Some(outputs) = &mut outputs {
-            let stem = file
-                .file_stem()
-                .and_then(|s| s.to_str())
-                .unwrap_or("recording");
-            let name = |what: &str| format!("{:02}_{stem}_{what}.svg", i + 1);
-            outputs.add(name("rotation"), prediction.rotation_chart().svg());
-            outputs.add(name("translation"), prediction.translation_chart().svg());
-        }
-        super::trace::append(&mut all, prediction.table());
-    }
-    let Some(table) = all else { return Ok(()) };
-    if let Some(mut outputs) = outputs {
-        outputs.add("prediction.csv", table.csv());
-        outputs.commit()?;
-    }
-    ctx.print_table(&table)
+    each_recording(
+        &args.files,
+        &args.read,
+        ctx,
+        "prediction.csv",
+        |recording| {
+            let found = study.run(recording)?;
+            let charts = [
+                ("rotation", found.rotation_chart()),
+                ("translation", found.translation_chart()),
+            ];
+            Ok((found.table(), charts))
+        },
+    )
 }

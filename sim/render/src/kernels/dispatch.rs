@@ -12,8 +12,8 @@ pub(crate) trait Kernel {
 
 /// Runs `kernel` at the level asked for, decided at run time.
 ///
-/// Two levels are compiled, not all that the SIMD crate has: kernels are eight lanes wide, which AVX2
-/// (and NEON, in halves) serves whole, and the fallback is correct everywhere.
+/// Not all levels that the SIMD crate has are compiled: kernels are eight and sixteen lanes wide, which
+/// AVX-512 serves whole and AVX2 and NEON in parts, and the fallback is correct everywhere.
 pub(crate) fn dispatch<K: Kernel>(choice: Simd, kernel: K) -> K::Output {
     if choice == Simd::Auto {
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]

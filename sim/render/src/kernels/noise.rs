@@ -109,8 +109,7 @@ pub(super) struct Fractal {
 /// faded out. Coordinates and footprint are in units of the first octave's period. Skipping octaves
 /// that no lane sees changes nothing: they would add zero.
 ///
-/// Compiled once, not into each caller : it is called from many
-/// places, and long enough that the call does not show.
+/// Compiled once, not into each caller: there are many, and it is long enough that the call does not show.
 #[inline(always)]
 pub(super) fn fractal_2d<S: Simd>(simd: S, x: F<S>, y: F<S>, foot: F<S>, f: Fractal) -> F<S> {
     apart(

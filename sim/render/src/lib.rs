@@ -42,6 +42,7 @@
 
 mod bvh;
 mod error;
+mod feather;
 mod fragments;
 mod frame;
 mod kernels;

@@ -2,7 +2,7 @@ use foveasim_models::{Msaa, Shading, ShadingRate, TileRates, Work};
 use glam::UVec2;
 
 use crate::tile::{
-    ALL, BLOCK, LANES, SampleTile, TILE, TILE_SAMPLES, TileBuffers, index_of, position_of,
+    ALL, BLOCK, LANES, LaneSet, SampleTile, TILE, TILE_SAMPLES, TileBuffers, index_of, position_of,
 };
 
 /// No triangle: sky.
@@ -174,41 +174,67 @@ impl Fragments {
         let valid = c.buffers.valid[block];
         let slots = &c.buffers.slot[block * positions..(block + 1) * positions];
         let (nearest, others) = (&slots[0], &slots[1..]);
-        let plain = others.iter().all(|row| row == nearest);
-        if plain {
+        let mut differ = [0; LANES];
+        for row in others {
+            for (d, (a, b)) in differ.iter_mut().zip(row.iter().zip(nearest)) {
+                *d |= a ^ b;
+            }
+        }
+        let crossed = lanes(|lane| differ[lane] != 0) & valid;
+        if crossed == 0 && valid == ALL {
             let bucket = self.only.unwrap_or(self.bucket_of[nearest[0] as usize]);
-            let differ = match self.only {
-                Some(_) => 0,
-                None => nearest
+            let alike = self.only.is_some()
+                || nearest
                     .iter()
-                    .fold(0, |d, slot| d | (self.bucket_of[*slot as usize] ^ bucket)),
-            };
-            let alike = valid == ALL && differ == 0;
+                    .fold(0, |d, slot| d | (self.bucket_of[*slot as usize] ^ bucket))
+                    == 0;
             if alike {
                 self.buckets[bucket as usize].blocks.push(block as u16);
                 return;
             }
-            for (lane, &slot) in nearest.iter().enumerate() {
-                if valid >> lane & 1 != 0 {
-                    let fragment = Fragment {
-                        triangle: self.of_slot[slot as usize],
-                        first: [
-                            (first.x + lane as u32 % BLOCK[0]) as u8,
-                            (first.y + lane as u32 / BLOCK[0]) as u8,
-                        ],
-                        size: [1, 1],
-                        seen: (1 << positions) - 1,
-                    };
-                    let bucket = self.bucket_of[slot as usize] as usize;
-                    self.buckets[bucket].fragments.push(fragment);
-                }
+        }
+        let mut left = valid;
+        while left != 0 {
+            let lane = left.trailing_zeros();
+            left &= left - 1;
+            let at = first + UVec2::new(lane % BLOCK[0], lane / BLOCK[0]);
+            if crossed >> lane & 1 == 0 {
+                self.push(nearest[lane as usize], at, UVec2::ONE, (1 << positions) - 1);
+            } else {
+                let four = std::array::from_fn(|p| slots[p][lane as usize]);
+                self.edge_sample(four, at, work);
             }
-            return;
         }
-        for lane in (0..LANES as u32).filter(|lane| valid >> lane & 1 != 0) {
-            let sample = first + UVec2::new(lane % BLOCK[0], lane / BLOCK[0]);
-            self.group(c, sample, UVec2::ONE, work);
+    }
+
+    /// A sample that several triangles, or a triangle and the sky, are seen in at its four positions.
+    #[inline]
+    fn edge_sample(&mut self, slots: [u32; 4], at: UVec2, work: &mut Work) {
+        self.mark_edge(at, work);
+        let mut left = 0b1111u64;
+        while left != 0 {
+            let slot = slots[left.trailing_zeros() as usize];
+            let seen = (0..4).fold(0, |seen, p| seen | u64::from(slots[p] == slot) << p);
+            left &= !seen;
+            self.push(slot, at, UVec2::ONE, seen);
         }
+    }
+
+    fn mark_edge(&mut self, at: UVec2, work: &mut Work) {
+        self.edge_of[index_of(at.x, at.y)] = self.edges.len() as u16;
+        self.edges.push([at.x as u8, at.y as u8]);
+        work.samples_with_edge += 1;
+    }
+
+    #[inline]
+    fn push(&mut self, slot: u32, first: UVec2, size: UVec2, seen: u64) {
+        let bucket = self.bucket_of[slot as usize] as usize;
+        self.buckets[bucket].fragments.push(Fragment {
+            triangle: self.of_slot[slot as usize],
+            first: [first.x as u8, first.y as u8],
+            size: [size.x as u8, size.y as u8],
+            seen,
+        });
     }
 
     /// The blocks of coarse shading that begin in a block of samples.
@@ -251,22 +277,20 @@ impl Fragments {
                     several |= slot != c.buffers.slot[block * positions][lane];
                 }
                 if several {
-                    self.edge_of[index] = self.edges.len() as u16;
-                    self.edges.push([x as u8, y as u8]);
-                    work.samples_with_edge += 1;
+                    self.mark_edge(UVec2::new(x, y), work);
                 }
             }
         }
         for &(slot, seen) in &found[..count] {
-            let bucket = self.bucket_of[slot as usize] as usize;
-            self.buckets[bucket].fragments.push(Fragment {
-                triangle: self.of_slot[slot as usize],
-                first: [first.x as u8, first.y as u8],
-                size: [size.x as u8, size.y as u8],
-                seen,
-            });
+            self.push(slot, first, size, seen);
         }
     }
+}
+
+/// The lanes that `holds` of.
+#[inline(always)]
+fn lanes(holds: impl Fn(usize) -> bool) -> LaneSet {
+    (0..LANES).fold(0, |set, lane| set | LaneSet::from(holds(lane)) << lane)
 }
 
 /// What a tile shows.

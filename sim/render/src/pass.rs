@@ -12,7 +12,9 @@ use crate::raster::{
     EyeVertex, Needs, PassTriangles, SetUp, SetUpTriangle, ViewGeometry, attributes, details,
     set_up, vertices,
 };
-use crate::tile::{LANES, SampleTile, TILE, TILE_SAMPLES, TileBuffers, position_of, sampled};
+use crate::tile::{
+    BLOCK, LANES, LaneSet, SampleTile, TILE, TILE_SAMPLES, TileBuffers, position_of, sampled,
+};
 use crate::visible::PassObjects;
 use crate::{RenderError, RenderOptions};
 
@@ -248,6 +250,8 @@ struct Scratch {
     attributes: Vec<Attributes>,
     details: Vec<Details>,
     edges: Vec<[[f32; 3]; 4]>,
+    /// For each slot, the instance that is seen.
+    instances: Vec<u32>,
 }
 
 impl Scratch {
@@ -260,6 +264,7 @@ impl Scratch {
             attributes: Vec::new(),
             details: Vec::new(),
             edges: Vec::new(),
+            instances: Vec::new(),
         }
     }
 }
@@ -380,6 +385,7 @@ impl<'a> Drawing<'a> {
             attributes: prepared,
             details: detailed,
             edges,
+            instances: _,
         } = scratch;
         fragments.collect(
             tile,
@@ -454,24 +460,49 @@ impl<'a> Drawing<'a> {
     }
 
     /// Writes 1/w and instance of a tile's samples to the rows it was given.
-    fn copy_geometry(&self, scratch: &Scratch, rows: &mut [(&mut [f32], &mut [u32])]) {
+    fn copy_geometry(&self, scratch: &mut Scratch, rows: &mut [(&mut [f32], &mut [u32])]) {
+        if rows.is_empty() {
+            return;
+        }
         let positions = self.msaa.positions() as usize;
         let Scratch {
-            buffers, triangles, ..
+            buffers,
+            triangles,
+            instances,
+            ..
         } = scratch;
-        for index in 0..if rows.is_empty() { 0 } else { TILE_SAMPLES } {
-            if buffers.valid[index / LANES] >> (index % LANES) & 1 == 0 {
-                continue;
-            }
-            let [x, y] = position_of(index);
-            let (block, lane) = (index / LANES * positions, index % LANES);
-            let (depths, instances) = &mut rows[y as usize];
-            let slot = buffers.slot[block][lane];
-            depths[x as usize] = buffers.depth[block][lane];
-            if slot != 0 {
-                let t = &triangles[slot as usize - 1];
-                instances[x as usize] = self.geometry.objects[t.object as usize].instance;
+        instances.clear();
+        instances.push(u32::MAX);
+        let instance = |t: &SetUpTriangle| self.geometry.objects[t.object as usize].instance;
+        instances.extend(triangles.iter().map(instance));
+        for (block, valid) in buffers.valid.iter().enumerate() {
+            let depth = &buffers.depth[block * positions];
+            let slot = &buffers.slot[block * positions];
+            let [x, y] = position_of(block * LANES).map(|c| c as usize);
+            for row in 0..BLOCK[1] as usize {
+                let lanes = row * BLOCK[0] as usize..(row + 1) * BLOCK[0] as usize;
+                let drawn = valid >> lanes.start & ROW;
+                if drawn == 0 {
+                    continue;
+                }
+                let (depths, found) = &mut rows[y + row];
+                if drawn == ROW {
+                    let there = x..x + BLOCK[0] as usize;
+                    depths[there.clone()].copy_from_slice(&depth[lanes.clone()]);
+                    for (found, slot) in found[there].iter_mut().zip(&slot[lanes]) {
+                        *found = instances[*slot as usize];
+                    }
+                    continue;
+                }
+                for lane in lanes.filter(|lane| valid >> lane & 1 != 0) {
+                    let x = x + lane % BLOCK[0] as usize;
+                    depths[x] = depth[lane];
+                    found[x] = instances[slot[lane] as usize];
+                }
             }
         }
     }
 }
+
+/// The lanes of a row of a block.
+const ROW: LaneSet = (1 << BLOCK[0]) - 1;

@@ -5,6 +5,7 @@ use foveasim_models::{
 };
 use glam::UVec2;
 
+use crate::pass::PassMemory;
 use crate::passes::draw_passes;
 use crate::{RenderError, RenderOptions, live, mosaic, resolve};
 
@@ -73,18 +74,24 @@ pub fn render_into(
 ) -> Result<Frame, RenderError> {
     check(view, plan, options)?;
     // Samples of the one pass become the image; of several, they only go into it.
-    let spare = match plan.resolve {
-        Resolve::Direct => spare.rgb,
-        _ => Vec::new(),
+    let (memory, spare) = match plan.resolve {
+        Resolve::Direct => {
+            let memory = PassMemory {
+                rgb: spare.rgb,
+                ..PassMemory::default()
+            };
+            (vec![memory], Vec::new())
+        }
+        _ => (Vec::new(), spare.rgb),
     };
     let due = vec![true; plan.passes.len()];
-    let drawn = draw_passes(scene, view, plan, &due, options, false, spare);
+    let drawn = draw_passes(scene, view, plan, &due, options, false, memory);
     let (mut passes, mut pass_work) = (Vec::new(), Vec::new());
     for (samples, work) in drawn.passes.into_iter().flatten() {
         passes.push(samples.image);
         pass_work.push(work);
     }
-    let (image, passes, resolve_work) = resolve::resolve(view, plan, passes, options);
+    let (image, passes, resolve_work) = resolve::resolve(view, plan, passes, options, spare);
     let mut work = resolve_work;
     work += drawn.shared;
     for w in &pass_work {

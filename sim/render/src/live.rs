@@ -46,6 +46,11 @@ impl<'a> Live<'a> {
         Self { region, hidden }
     }
 
+    /// Whether every sample is drawn.
+    pub(crate) fn is_all(&self) -> bool {
+        self.region.is_none() && self.hidden.is_none()
+    }
+
     /// Takes dead samples out of the lanes of each block that are `valid`.
     pub(crate) fn clear_dead(&self, tile: &SampleTile, valid: &mut [LaneSet]) {
         if let Some(mask) = self.region {
@@ -60,7 +65,7 @@ impl<'a> Live<'a> {
 
     /// Counts the samples of `tile` that are not drawn, given the lanes that are.
     pub(crate) fn count(&self, tile: &SampleTile, valid: &[LaneSet], work: &mut Work) {
-        if self.region.is_none() && self.hidden.is_none() {
+        if self.is_all() {
             return;
         }
         let drawn: u64 = valid.iter().map(|v| u64::from(v.count_ones())).sum();

@@ -6,7 +6,8 @@ use crate::live::grid;
 
 /// Puts together passes that each have their own part of the display: see
 /// [`Resolve::Mosaic`](foveasim_models::Resolve::Mosaic).
-pub(crate) fn mosaic(plan: &SamplePlan, passes: &[Image]) -> (Image, Work) {
+/// The image is made in `image`, of whatever content.
+pub(crate) fn mosaic(plan: &SamplePlan, passes: &[Image], mut image: Image) -> (Image, Work) {
     let size = plan.display_px;
     let parts: Vec<Part<'_>> = plan
         .passes
@@ -14,7 +15,6 @@ pub(crate) fn mosaic(plan: &SamplePlan, passes: &[Image]) -> (Image, Work) {
         .zip(passes)
         .map(|(pass, image)| Part::new(pass, image, size.x))
         .collect();
-    let mut image = Image::filled(size, [0.0; 3]);
     let fetches: u64 = image
         .rgb
         .par_chunks_mut(size.x as usize)

@@ -1,5 +1,5 @@
 use foveasim_assets::Scene;
-use foveasim_models::{Image, Map, Msaa, Pass, Region, SamplePlan, View, Visibility, Work};
+use foveasim_models::{Image, Map, Msaa, Pass, SamplePlan, View, Visibility, Work};
 use glam::UVec2;
 use rayon::prelude::*;
 
@@ -124,10 +124,20 @@ pub(crate) struct PassSamples {
     pub(crate) inverse_w: Vec<f32>,
     /// Index of the instance that is seen, `u32::MAX` for the sky; empty unless geometry is kept.
     pub(crate) instance: Vec<u32>,
+    /// Whether there is no sample where nothing is drawn.
+    pub(crate) all_drawn: bool,
 }
 
-/// Draws pass `index` of a plan: what each of its samples sees, and the work it took. `spare` is
-/// memory to use for the image.
+/// Memory of samples that are no longer needed, for others.
+#[derive(Debug, Clone, Default)]
+pub(crate) struct PassMemory {
+    pub(crate) rgb: Vec<[f32; 3]>,
+    pub(crate) inverse_w: Vec<f32>,
+    pub(crate) instance: Vec<u32>,
+}
+
+/// Draws pass `index` of a plan: what each of its samples sees, and the work it took. `memory` is
+/// used for them, where it fits.
 pub(crate) fn draw(
     scene: &Scene,
     view: &View,
@@ -137,19 +147,23 @@ pub(crate) fn draw(
     objects: &PassObjects,
     options: &RenderOptions,
     keep_geometry: bool,
-    spare: Vec<[f32; 3]>,
+    memory: PassMemory,
 ) -> (PassSamples, Work) {
     let pass = &plan.passes[index];
     let size = grid(pass);
-    let mut image = blank(size, pass.region == Region::All, spare);
-    let kept = image.rgb.len() * usize::from(keep_geometry);
-    let (mut inverse_w, mut instance) = (vec![f32::NAN; kept], vec![u32::MAX; kept]);
-    if size.x == 0 || size.y == 0 {
-        let samples = PassSamples {
-            image,
-            inverse_w,
-            instance,
-        };
+    let all_drawn = Live::new(plan, index, &view.optics, options.skip.hidden).is_all();
+    let count = size.x as usize * size.y as usize;
+    let kept = count * usize::from(keep_geometry);
+    let mut samples = PassSamples {
+        image: Image {
+            size,
+            rgb: room(memory.rgb, count, [0.0; 3], all_drawn),
+        },
+        inverse_w: room(memory.inverse_w, kept, f32::NAN, all_drawn),
+        instance: room(memory.instance, kept, u32::MAX, all_drawn),
+        all_drawn,
+    };
+    if count == 0 {
         return (samples, Work::default());
     }
     let drawing = Drawing::new(scene, view, plan, index, geometry, objects, options);
@@ -162,15 +176,16 @@ pub(crate) fn draw(
         .map(|place| (place, Vec::new(), Vec::new()))
         .collect();
     let across = size.x.div_ceil(TILE) as usize;
-    for (y, row) in image.rgb.chunks_mut(size.x as usize).enumerate() {
+    for (y, row) in samples.image.rgb.chunks_mut(size.x as usize).enumerate() {
         let first = y / TILE as usize * across;
         for (x, part) in row.chunks_mut(TILE as usize).enumerate() {
             jobs[first + x].1.push(part);
         }
     }
-    let geometry_rows = inverse_w
+    let geometry_rows = samples
+        .inverse_w
         .chunks_mut(size.x as usize)
-        .zip(instance.chunks_mut(size.x as usize));
+        .zip(samples.instance.chunks_mut(size.x as usize));
     for (y, (depths, instances)) in geometry_rows.enumerate() {
         let first = y / TILE as usize * across;
         let parts = depths.chunks_mut(TILE as usize);
@@ -193,27 +208,21 @@ pub(crate) fn draw(
     for tile in works {
         work += tile;
     }
-    let samples = PassSamples {
-        image,
-        inverse_w,
-        instance,
-    };
     (samples, work)
 }
 
-/// An image to draw into, if possible in the memory of one no longer needed. What that holds stays where
-/// everything is drawn anyway; else it is black, which costs as much as a tenth of drawing simple scenes.
-fn blank(size: UVec2, all_drawn: bool, mut spare: Vec<[f32; 3]>) -> Image {
-    let samples = size.x as usize * size.y as usize;
-    if all_drawn && spare.len() == samples {
-        return Image { size, rgb: spare };
+/// Room for `count` samples, if possible in the memory of others. What that holds stays where everything is
+/// drawn anyway; else it is made `blank`, which costs as much as a tenth of drawing simple scenes.
+fn room<T: Copy>(mut memory: Vec<T>, count: usize, blank: T, all_drawn: bool) -> Vec<T> {
+    if all_drawn && memory.len() == count {
+        return memory;
     }
-    if spare.capacity() < samples {
-        return Image::filled(size, [0.0; 3]);
+    if memory.capacity() < count {
+        return vec![blank; count];
     }
-    spare.clear();
-    spare.resize(samples, [0.0; 3]);
-    Image { size, rgb: spare }
+    memory.clear();
+    memory.resize(count, blank);
+    memory
 }
 
 /// Column and row of each tile, row by row.

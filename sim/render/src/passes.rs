@@ -2,7 +2,7 @@ use foveasim_assets::Scene;
 use foveasim_models::{SamplePlan, View, Work};
 
 use crate::RenderOptions;
-use crate::pass::{PassSamples, draw};
+use crate::pass::{PassMemory, PassSamples, draw};
 use crate::visible::PassObjects;
 
 /// What was drawn of a plan.
@@ -14,8 +14,8 @@ pub(crate) struct Drawn {
     pub(crate) shared: Work,
 }
 
-/// Draws the passes of a plan that are `due`, with vertices transformed once for all of them; `spare` is
-/// memory for the first.
+/// Draws the passes of a plan that are `due`, with vertices transformed once for all of them; `memory`
+/// is what the first ones can use.
 pub(crate) fn draw_passes(
     scene: &Scene,
     view: &View,
@@ -23,7 +23,7 @@ pub(crate) fn draw_passes(
     due: &[bool],
     options: &RenderOptions,
     keep_geometry: bool,
-    mut spare: Vec<[f32; 3]>,
+    memory: Vec<PassMemory>,
 ) -> Drawn {
     let objects: Vec<_> = due
         .iter()
@@ -34,7 +34,9 @@ pub(crate) fn draw_passes(
         .skip
         .repeated_vertices
         .then(|| PassObjects::shared(objects.iter().flatten(), scene, view, options));
+    let mut memory = memory.into_iter();
     let passes = objects.iter().enumerate().map(|(k, objects)| {
+        let memory = memory.next().unwrap_or_default();
         let objects = objects.as_ref()?;
         let own;
         let geometry = match &shared {
@@ -53,7 +55,7 @@ pub(crate) fn draw_passes(
             objects,
             options,
             keep_geometry,
-            std::mem::take(&mut spare),
+            memory,
         );
         if shared.is_none() {
             work += geometry.work;

@@ -1,4 +1,5 @@
 use foveasim_models::{Feather, Image, Resolve, SamplePlan, View, Work};
+use glam::UVec2;
 use rayon::prelude::*;
 
 use crate::feather::{Layer, ResolveRow, RowScratch};
@@ -7,23 +8,24 @@ use crate::mosaic::mosaic;
 use crate::{RenderOptions, Simd};
 
 /// Puts the passes together to the displayed image; also gives back the passes, if they are to be
-/// kept.
+/// kept. The image is made in the memory of `spare`, where that fits.
 pub(crate) fn resolve(
     view: &View,
     plan: &SamplePlan,
     mut passes: Vec<Image>,
     options: &RenderOptions,
+    spare: Vec<[f32; 3]>,
 ) -> (Image, Vec<Image>, Work) {
     match &plan.resolve {
         Resolve::Feather(feather) => {
-            let (image, work) = blend(view, plan, feather, &passes, options.simd);
+            let (image, work) = blend(view, plan, feather, &passes, options.simd, spare);
             if !options.keep_passes {
                 passes.clear();
             }
             (image, passes, work)
         }
         Resolve::Mosaic => {
-            let (image, work) = mosaic(plan, &passes);
+            let (image, work) = mosaic(plan, &passes, room(plan.display_px, spare));
             if !options.keep_passes {
                 passes.clear();
             }
@@ -33,7 +35,9 @@ pub(crate) fn resolve(
         _ => {
             let image = passes.remove(0);
             if options.keep_passes {
-                passes.push(image.clone());
+                let mut kept = room(image.size, spare);
+                kept.rgb.copy_from_slice(&image.rgb);
+                passes.push(kept);
             }
             let work = Work {
                 pixels_resolved: plan.count().display_pixels,
@@ -44,6 +48,16 @@ pub(crate) fn resolve(
     }
 }
 
+/// An image of whatever content, in the memory of another where that fits.
+fn room(size: UVec2, mut spare: Vec<[f32; 3]>) -> Image {
+    let pixels = size.x as usize * size.y as usize;
+    if spare.capacity() < pixels {
+        return Image::filled(size, [0.0; 3]);
+    }
+    spare.resize(pixels, [0.0; 3]);
+    Image { size, rgb: spare }
+}
+
 /// Interpolates the passes and blends them by eccentricity.
 fn blend(
     view: &View,
@@ -51,6 +65,7 @@ fn blend(
     feather: &Feather,
     passes: &[Image],
     simd: Simd,
+    spare: Vec<[f32; 3]>,
 ) -> (Image, Work) {
     let size = plan.display_px;
     let layers: Vec<Layer<'_>> = plan
@@ -59,7 +74,7 @@ fn blend(
         .zip(passes)
         .map(|(p, image)| Layer::new(p.lattice, p.map, image, size.x))
         .collect();
-    let mut image = Image::filled(size, [0.0; 3]);
+    let mut image = room(size, spare);
     let works: Vec<Work> = image
         .rgb
         .par_chunks_mut(size.x as usize)
@@ -97,7 +112,13 @@ mod tests {
         let plan = SamplePlan::full(Eye::Cyclopean, size);
         let pass = Image::filled(size, [0.25; 3]);
         let memory = pass.rgb.as_ptr();
-        let (image, kept, _) = resolve(&view, &plan, vec![pass], &RenderOptions::default());
+        let (image, kept, _) = resolve(
+            &view,
+            &plan,
+            vec![pass],
+            &RenderOptions::default(),
+            Vec::new(),
+        );
         assert_eq!(image.rgb.as_ptr(), memory);
         assert!(kept.is_empty());
     }

@@ -3,7 +3,7 @@ use fearless_simd::prelude::*;
 use glam::UVec2;
 
 use super::cubic::cubic;
-use super::lanes::{F, Simd, i32x8, splat};
+use super::lanes::{F, Simd, i32x8, splat, three};
 use super::reproject::{Before, ReprojectRow, SAME_SURFACE, Warp};
 
 /// Which samples of an earlier lattice are around a place, and by what share.
@@ -19,20 +19,14 @@ pub(super) struct Places {
     pub(super) inside: u32,
 }
 
-/// What the samples around a place remember of a surface, each times its weight.
-pub(super) struct Found {
-    /// Differences from the new colour.
-    pub(super) difference: [f32; 3],
+/// What the samples around a place remember of a surface.
+pub(super) struct Found<S: Simd> {
+    /// Red, green and blue; the fourth number is none.
+    pub(super) colour: f32x4<S>,
+    /// Frames that it is a mean of, times `weight`.
     pub(super) length: f32,
+    /// Share of the samples around the place, by their weights, that show the surface.
     pub(super) weight: f32,
-}
-
-impl Found {
-    pub(super) const NOTHING: Self = Self {
-        difference: [0.0; 3],
-        length: 0.0,
-        weight: 0.0,
-    };
 }
 
 /// Whether a sample that remembers `nearest` shows the surface expected at 1/w. What was not drawn
@@ -42,25 +36,78 @@ fn shows(nearest: f32, inverse_w: f32) -> bool {
     (nearest - inverse_w).abs() <= SAME_SURFACE * inverse_w
 }
 
+/// Three numbers from the `k`-th triple on, and one more that is of no use.
+#[inline(always)]
+pub(super) fn triple<S: Simd>(simd: S, all: &[f32], k: usize) -> f32x4<S> {
+    match all.get(3 * k..3 * k + 4) {
+        Some(four) => f32x4::from_slice(simd, four),
+        None => {
+            let [a, b, c] = three(
+                #[inline(always)]
+                |i| all[3 * k + i],
+            );
+            f32x4::from_slice(simd, &[a, b, c, c])
+        }
+    }
+}
+
+#[inline(always)]
+fn four<S: Simd>(simd: S, all: &[f32], at: usize) -> f32x4<S> {
+    f32x4::from_slice(simd, &all[at..at + 4])
+}
+
+/// The mean of four with weights that add up to 1, of which the second's is not given: differences
+/// from that one are averaged, so that equal colours give that very colour.
+#[inline(always)]
+fn weigh<S: Simd>([a, b, c, d]: [f32x4<S>; 4], [wa, wc, wd]: [f32; 3]) -> f32x4<S> {
+    b + (((a - b) * wa + (c - b) * wc) + (d - b) * wd)
+}
+
+/// As [`weigh`], of four triples from the `k`-th on.
+#[inline(always)]
+fn weigh_row<S: Simd>(simd: S, all: &[f32], k: usize, weights: [f32; 3]) -> f32x4<S> {
+    let row = &all[3 * k..3 * k + 12];
+    // Three numbers each, and one of no use; the last must not reach beyond the row.
+    let last = four(simd, row, 8);
+    let triples = [
+        four(simd, row, 0),
+        four(simd, row, 3),
+        four(simd, row, 6),
+        last.slide::<1>(last),
+    ];
+    weigh(triples, weights)
+}
+
 impl Places {
+    /// Weights along an axis of the first, third and last of four samples.
+    #[inline(always)]
+    fn weights(&self, axis: usize, lane: usize) -> [f32; 3] {
+        let w = &self.cubic[axis];
+        [w[0][lane], w[2][lane], w[3][lane]]
+    }
+
     /// Asks the samples around the place of `lane`: the sixteen, if `sixteen`, where all of them were
-    /// drawn and the four in the middle show the surface; else those of the four that do.
+    /// drawn and the four in the middle show the surface; else those of the four that do, whose weight
+    /// is at least `least`.
     #[inline(always)]
     pub(super) fn find<S: Simd>(
         &self,
         simd: S,
         lane: usize,
         before: Before<'_>,
-        new: [f32; 3],
+        new: f32x4<S>,
         sixteen: bool,
-    ) -> Found {
-        if sixteen {
-            let found = self.of_sixteen(simd, lane, before, new);
-            if found.weight > 0.0 {
-                return found;
-            }
+        least: f32,
+    ) -> Option<Found<S>> {
+        let found = if sixteen {
+            self.of_sixteen(simd, lane, before)
+        } else {
+            None
+        };
+        match found {
+            None => self.of_four(simd, lane, before, new, least),
+            found => found,
         }
-        self.of_four(lane, before, new)
     }
 
     /// Shares of the four samples around a place, the upper two first.
@@ -73,11 +120,20 @@ impl Places {
 
     /// Linear along both axes, of what shows the surface.
     #[inline(always)]
-    fn of_four(&self, lane: usize, before: Before<'_>, new: [f32; 3]) -> Found {
+    fn of_four<S: Simd>(
+        &self,
+        simd: S,
+        lane: usize,
+        before: Before<'_>,
+        new: f32x4<S>,
+        least: f32,
+    ) -> Option<Found<S>> {
         let (column, row) = (self.column[lane], self.row[lane]);
         let inverse_w = self.inverse_w[lane];
         let [across, down] = before.size.to_array();
-        let mut found = Found::NOTHING;
+        let (mut length, mut all) = (0.0, 0.0);
+        // Differences are averaged, so that equal colours give that very colour.
+        let mut difference = f32x4::splat(simd, 0.0);
         for (k, weight) in self.shares(lane).into_iter().enumerate() {
             // Negative ones wrap beyond any lattice.
             let (x, y) = (
@@ -90,90 +146,72 @@ impl Places {
             let at = y as usize * across as usize + x as usize;
             // A weight of nothing adds nothing, not even a neighbour's infinity.
             if weight > 0.0 && shows(before.nearest[at], inverse_w) {
-                found.weight += weight;
-                found.length += weight * before.length[at];
-                let colour = before.rgb[at];
-                for (c, difference) in found.difference.iter_mut().enumerate() {
-                    *difference += weight * (colour[c] - new[c]);
-                }
+                all += weight;
+                length += weight * before.length[at];
+                let colour = triple(simd, before.rgb.as_flattened(), at);
+                difference += (colour - new) * weight;
             }
         }
-        found
+        if all < least {
+            return None;
+        }
+        Some(Found {
+            colour: new + difference * (1.0 / all),
+            length,
+            weight: all,
+        })
     }
 
     /// Catmull-Rom along both axes.
     #[inline(always)]
-    fn of_sixteen<S: Simd>(
-        &self,
-        simd: S,
-        lane: usize,
-        before: Before<'_>,
-        new: [f32; 3],
-    ) -> Found {
+    fn of_sixteen<S: Simd>(&self, simd: S, lane: usize, before: Before<'_>) -> Option<Found<S>> {
         let (column, row) = (self.column[lane], self.row[lane]);
         let [across, down] = before.size.to_array();
-        let fits = |at: i32, size: u32| at >= 1 && (at as u32).saturating_add(2) < size;
-        if !(fits(column, across) && fits(row, down)) {
-            return Found::NOTHING;
+        if column < 1 || row < 1 {
+            return None;
+        }
+        let (column, row) = (column as u32, row as u32);
+        if column.saturating_add(2) >= across || row.saturating_add(2) >= down {
+            return None;
         }
         let stride = across as usize;
         let first = (row as usize - 1) * stride + column as usize - 1;
-        let nearest = |k: usize| &before.nearest[first + k * stride..][..4];
-        let inverse_w = self.inverse_w[lane];
-        let (upper, lower) = (nearest(1), nearest(2));
-        let all_show = [upper[1], upper[2], lower[1], lower[2]]
-            .into_iter()
-            .all(|n| shows(n, inverse_w));
-        let load = |row: &[f32]| f32x4::from_slice(simd, row);
-        let sum = (load(nearest(0)) + load(nearest(3))) + (load(upper) + load(lower));
-        let all_drawn = sum.simd_eq(sum).all_true();
-        if !(all_show && all_drawn) {
-            return Found::NOTHING;
+        let (second, third) = (first + stride, first + 2 * stride);
+        let upper = four(simd, before.nearest, second);
+        let lower = four(simd, before.nearest, third);
+        let expected = f32x4::splat(simd, self.inverse_w[lane]);
+        let near = expected * SAME_SURFACE;
+        let shows = (upper - expected).abs().simd_le(near) & (lower - expected).abs().simd_le(near);
+        if shows.to_bitmask() as u32 & 0b0110 != 0b0110 {
+            return None;
         }
-
-        // Four samples of three values are three vectors; differences, as everywhere.
-        let colours = before.rgb.as_flattened();
-        let [r, g, b] = new;
-        let own = [[r, g, b, r], [g, b, r, g], [b, r, g, b]].map(
-            #[inline(always)]
-            |v| load(&v),
-        );
-        let mut sums = [f32x4::splat(simd, 0.0); 3];
-        for (k, weights) in self.cubic[1].iter().enumerate() {
-            let row = &colours[3 * (first + k * stride)..][..12];
-            for (v, sum) in sums.iter_mut().enumerate() {
-                *sum += (load(&row[4 * v..4 * v + 4]) - own[v]) * weights[lane];
+        if !before.all_drawn {
+            let top = four(simd, before.nearest, first);
+            let bottom = four(simd, before.nearest, third + stride);
+            let sum = (top + bottom) + (upper + lower);
+            if !sum.simd_eq(sum).all_true() {
+                return None;
             }
         }
-        let w = [0, 1, 2, 3].map(
-            #[inline(always)]
-            |k| self.cubic[0][k][lane],
-        );
-        let weights = [
-            [w[0], w[0], w[0], w[1]],
-            [w[1], w[1], w[2], w[2]],
-            [w[2], w[3], w[3], w[3]],
+
+        let colours = before.rgb.as_flattened();
+        let across = self.weights(0, lane);
+        let rows = [
+            weigh_row(simd, colours, first, across),
+            weigh_row(simd, colours, second, across),
+            weigh_row(simd, colours, third, across),
+            weigh_row(simd, colours, third + stride, across),
         ];
-        let mut parts = [0.0; 12];
-        for (v, sum) in sums.into_iter().enumerate() {
-            (sum * load(&weights[v])).store_slice(&mut parts[4 * v..4 * v + 4]);
-        }
-        let lengths = [stride + 1, stride + 2, 2 * stride + 1, 2 * stride + 2].map(
-            #[inline(always)]
-            |k| before.length[first + k],
-        );
+        let colour = weigh(rows, self.weights(1, lane));
         let mut length = 0.0;
-        for (share, l) in self.shares(lane).into_iter().zip(lengths) {
-            length += share * l;
+        for (k, share) in self.shares(lane).into_iter().enumerate() {
+            length += share * before.length[first + (1 + k / 2) * stride + 1 + k % 2];
         }
-        Found {
-            difference: std::array::from_fn(
-                #[inline(always)]
-                |c| (parts[c] + parts[c + 3]) + (parts[c + 6] + parts[c + 9]),
-            ),
+        Some(Found {
+            colour,
             length,
             weight: 1.0,
-        }
+        })
     }
 }
 

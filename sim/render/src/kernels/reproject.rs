@@ -1,3 +1,5 @@
+use fearless_simd::f32x4;
+use fearless_simd::prelude::*;
 use foveasim_models::Work;
 use glam::UVec2;
 
@@ -5,7 +7,7 @@ use super::Kernel;
 use super::cubic::Centre;
 use super::extremes::Extremes;
 use super::lanes::Simd;
-use super::place::{Found, Gathered, Places};
+use super::place::{Gathered, Places, triple};
 
 /// By what part 1/w may differ within a surface, from sample to sample and from what is expected of an
 /// earlier image: what is nearer than this part of the distance before another surface passes for it.
@@ -28,6 +30,8 @@ pub(crate) struct Before<'a> {
     pub(crate) length: &'a [f32],
     /// 1/w of the surface that each sample follows \[1/m\]; NaN where nothing was drawn.
     pub(crate) nearest: &'a [f32],
+    /// Whether there is no sample where nothing was drawn.
+    pub(crate) all_drawn: bool,
 }
 
 /// Where the history of a sample is.
@@ -193,6 +197,17 @@ impl ReprojectRow<'_> {
         }
     }
 
+    /// What a history of `length` frames weighs, and how many frames it counts for.
+    #[inline(always)]
+    fn weight(&self, length: f32) -> (f32, f32) {
+        let length = if length < self.longest {
+            length
+        } else {
+            self.longest
+        };
+        (length / (length + 1.0), length)
+    }
+
     /// Stores the mean of a new colour and a history of `length` frames.
     #[inline(always)]
     fn put(&mut self, x: usize, new: [f32; 3], old: [f32; 3], length: f32) {
@@ -200,12 +215,7 @@ impl ReprojectRow<'_> {
             (self.out[x], self.out_length[x]) = ([0.0; 3], 0.0);
             return;
         }
-        let length = if length < self.longest {
-            length
-        } else {
-            self.longest
-        };
-        let weight = length / (length + 1.0);
+        let (weight, length) = self.weight(length);
         // Where old and new agree the result is that very number, not one close to it.
         self.out[x] = std::array::from_fn(|c| new[c] + weight * (old[c] - new[c]));
         self.out_length[x] = length + 1.0;
@@ -222,50 +232,48 @@ impl ReprojectRow<'_> {
         [clamp, cubic]: [bool; 2],
         work: &mut Work,
     ) {
+        let zero = f32x4::splat(simd, 0.0);
         for lane in 0..(self.width - start).min(8) {
             let x = start + lane;
-            let new = &self.scratch.new[3 * x..3 * x + 3];
-            let new = [new[0], new[1], new[2]];
-            if new[0].is_nan() {
-                self.put(x, new, new, 0.0);
+            if self.scratch.new[3 * x].is_nan() {
+                (self.out[x], self.out_length[x]) = ([0.0; 3], 0.0);
                 continue;
             }
             work.samples_reprojected += 1;
+            let new = triple(simd, &self.scratch.new, x);
             let found = match places.inside & (1 << lane) {
-                0 => Found::NOTHING,
-                _ => places.find(simd, lane, before, new, cubic),
+                0 => None,
+                _ => places.find(simd, lane, before, new, cubic, LEAST_WEIGHT),
             };
-            if found.weight < LEAST_WEIGHT {
+            let Some(found) = found else {
                 work.history_rejected += 1;
-                self.put(x, new, new, 0.0);
+                self.out[x] = [new[0], new[1], new[2]];
+                self.out_length[x] = 1.0;
                 continue;
-            }
-            // Differences are averaged, so that equal colours give that very colour.
-            let share = 1.0 / found.weight;
-            let mut old: [f32; 3] = std::array::from_fn(
-                #[inline(always)]
-                |c| {
-                    let v = new[c] + found.difference[c] * share;
-                    if v < 0.0 { 0.0 } else { v }
-                },
-            );
+            };
+            let mut old = found.colour.simd_lt(zero).select(zero, found.colour);
             if clamp {
-                let mut clamped = false;
-                for (c, old) in old.iter_mut().enumerate() {
-                    let low = self.scratch.extremes.least[3 * x + c];
-                    let high = self.scratch.extremes.greatest[3 * x + c];
-                    let v = if *old < low { low } else { *old };
-                    let v = if v > high { high } else { v };
-                    clamped |= v != *old;
-                    *old = v;
-                }
-                work.history_clamped += u64::from(clamped);
+                let low = triple(simd, &self.scratch.extremes.least, x);
+                let high = triple(simd, &self.scratch.extremes.greatest, x);
+                let v = old.simd_lt(low).select(low, old);
+                let v = v.simd_gt(high).select(high, v);
+                let same = v.simd_eq(old).to_bitmask() as u32;
+                work.history_clamped += u64::from(same & 0b111 != 0b111);
+                old = v;
             }
             // What only some of the samples around show lies to one side of the place, and is the same
             // for the next sample that comes into sight there: it must not grow old. So a length
             // counts by the fourth power of their share.
             let sure = found.weight * (found.weight * found.weight);
-            self.put(x, new, old, found.length * sure);
+            let (weight, length) = self.weight(found.length * sure);
+            // Where old and new agree the result is that very number, not one close to it.
+            let mean = new + (old - new) * weight;
+            self.out_length[x] = length + 1.0;
+            match self.out.as_flattened_mut().get_mut(3 * x..3 * x + 4) {
+                // The fourth number is where the next sample will be written.
+                Some(out) => mean.store_slice(out),
+                None => self.out[x] = [mean[0], mean[1], mean[2]],
+            }
         }
     }
 }

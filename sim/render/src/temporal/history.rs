@@ -5,6 +5,7 @@ use foveasim_models::{Image, Pass, View};
 use glam::UVec2;
 
 use crate::kernels::Before;
+use crate::pass::PassMemory;
 
 /// The last image of a pass, and what it shows.
 #[derive(Debug, Clone)]
@@ -30,6 +31,8 @@ pub(super) struct Past {
     pub(super) length: Vec<f32>,
     /// 1/w of the surface that each sample follows \[1/m\]; NaN where nothing was drawn.
     pub(super) nearest: Vec<f32>,
+    /// Whether there is no sample where nothing was drawn.
+    pub(super) all_drawn: bool,
 }
 
 /// Memory of images that are no longer needed.
@@ -37,12 +40,15 @@ pub(super) struct Past {
 pub(super) struct Spare {
     pub(super) rgb: Vec<[f32; 3]>,
     pub(super) past: Past,
+    pub(super) samples: PassMemory,
 }
 
 impl Spare {
     /// Room for an image of `size`, whatever is in it.
     pub(super) fn take(self, size: UVec2) -> (Image, Past) {
-        let Self { mut rgb, mut past } = self;
+        let Self {
+            mut rgb, mut past, ..
+        } = self;
         let samples = size.x as usize * size.y as usize;
         rgb.resize(samples, [0.0; 3]);
         past.length.resize(samples, 0.0);
@@ -58,6 +64,7 @@ impl History {
             rgb: &self.image.rgb,
             length: &self.past.length,
             nearest: &self.past.nearest,
+            all_drawn: self.past.all_drawn,
         }
     }
 }

@@ -4,12 +4,12 @@ use foveasim_models::{Pass, View, Work};
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::history::{History, Past, Placed, Spare};
+use super::history::{History, Placed, Spare};
 use super::motion::Motion;
 use super::{Clamp, Interpolation, TemporalOptions};
 use crate::Simd;
 use crate::kernels::{Centre, ReprojectRow, ReprojectScratch, Source, dispatch};
-use crate::pass::PassSamples;
+use crate::pass::{PassMemory, PassSamples};
 
 /// Blends new samples of a pass with its history, if there is one, and gives what is to be kept. The
 /// samples were taken `offset` beside the middles of their cells.
@@ -26,12 +26,14 @@ pub(super) fn reproject(
 ) -> (History, Work) {
     let (pass, view, placed) = now;
     let samples = leave_out_dead(samples);
+    let all_drawn = samples.all_drawn;
     let size = samples.image.size;
     let (mut before, mut spare) = (before, Spare::default());
     if let Some(before) = &mut before {
         spare = std::mem::take(&mut before.spare);
     }
     let (mut image, mut past) = spare.take(size);
+    past.all_drawn = all_drawn;
     let motion = before
         .as_ref()
         .filter(|b| !is_still((&pass, &view, &placed), b))
@@ -87,9 +89,15 @@ pub(super) fn reproject(
         work += row;
     }
     // The buffers that the next frame writes: fresh memory would cost as much as the blending.
+    let (rgb, past_before) = before.map_or_else(Default::default, |b| (b.image.rgb, b.past));
     let spare = Spare {
-        rgb: samples.image.rgb,
-        past: before.map_or_else(Past::default, |b| b.past),
+        rgb,
+        past: past_before,
+        samples: PassMemory {
+            rgb: samples.image.rgb,
+            inverse_w: samples.inverse_w,
+            instance: samples.instance,
+        },
     };
     let history = History {
         pass,
@@ -111,10 +119,15 @@ fn is_still((pass, view, placed): (&Pass, &View, &Placed), before: &History) -> 
 
 /// Marks what is not drawn, so that it counts as no neighbour and no history.
 fn leave_out_dead(mut samples: PassSamples) -> PassSamples {
-    for (rgb, inverse_w) in samples.image.rgb.iter_mut().zip(&samples.inverse_w) {
-        if inverse_w.is_nan() {
-            *rgb = [f32::NAN; 3];
-        }
+    if !samples.all_drawn {
+        let colours = samples.image.rgb.par_iter_mut().with_min_len(1 << 14);
+        colours
+            .zip(&samples.inverse_w)
+            .for_each(|(rgb, inverse_w)| {
+                if inverse_w.is_nan() {
+                    *rgb = [f32::NAN; 3];
+                }
+            });
     }
     samples
 }
@@ -153,6 +166,7 @@ mod tests {
             inverse_w: vec![0.5; image.rgb.len()],
             instance: vec![0; image.rgb.len()],
             image,
+            all_drawn: true,
         }
     }
 
@@ -176,6 +190,7 @@ mod tests {
         // What is not drawn holds rubbish, which must show nowhere.
         let live = |first: u32, value: f32| {
             let mut samples = samples(size, move |x, _| if x >= first { value } else { 99.0 });
+            samples.all_drawn = first == 0;
             for (index, inverse_w) in samples.inverse_w.iter_mut().enumerate() {
                 if (index as u32 % size.x) < first {
                     *inverse_w = f32::NAN;

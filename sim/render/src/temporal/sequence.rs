@@ -89,6 +89,24 @@ impl Sequence {
         frame: u64,
         options: &RenderOptions,
     ) -> Result<Frame, RenderError> {
+        let nothing = Image::filled(UVec2::ZERO, [0.0; 3]);
+        self.draw_into(scene, view, plan, frame, options, nothing)
+    }
+
+    /// As [`draw`](Self::draw), with the image in the memory of `spare` where that fits: one that is no
+    /// longer needed, of whatever content, as for [`render_into`](crate::render_into).
+    ///
+    /// # Errors
+    /// As [`draw`](Self::draw).
+    pub fn draw_into(
+        &mut self,
+        scene: &Scene,
+        view: &View,
+        plan: &SamplePlan,
+        frame: u64,
+        options: &RenderOptions,
+        spare: Image,
+    ) -> Result<Frame, RenderError> {
         self.options.check()?;
         let mut plan = plan.clone();
         if self.options.jitter {
@@ -116,6 +134,11 @@ impl Sequence {
         if self.options.jitter && self.options.reproject {
             options.footprint *= self.options.footprint;
         }
+        let memory = histories.iter_mut().zip(&waits).map(|(history, waits)| {
+            let history = history.as_mut().filter(|_| !waits);
+            history.map_or_else(Default::default, |h| std::mem::take(&mut h.spare.samples))
+        });
+        let memory = memory.collect();
         let drawn = draw_passes(
             scene,
             view,
@@ -123,7 +146,7 @@ impl Sequence {
             &due,
             &options,
             self.options.reproject,
-            Vec::new(),
+            memory,
         );
         let mut pass_work = Vec::new();
         for ((pass, history), new) in plan.passes.iter().zip(&mut histories).zip(drawn.passes) {
@@ -144,7 +167,7 @@ impl Sequence {
             pass_work.push(work);
         }
         let shown: Vec<History> = histories.into_iter().flatten().collect();
-        let mut frame = self.put_together(view, plan, placed, shown, pass_work, &options);
+        let mut frame = self.put_together(view, plan, placed, shown, pass_work, &options, spare);
         frame.work += drawn.shared;
         Ok(frame)
     }
@@ -205,6 +228,7 @@ impl Sequence {
         mut shown: Vec<History>,
         pass_work: Vec<Work>,
         options: &RenderOptions,
+        spare: Image,
     ) -> Frame {
         plan.passes = shown.iter().map(|h| h.pass.clone()).collect();
         let images = shown
@@ -215,7 +239,8 @@ impl Sequence {
             keep_passes: options.keep_passes || keeps,
             ..*options
         };
-        let (image, mut images, mut work) = resolve::resolve(view, &plan, images.collect(), &keep);
+        let (image, mut images, mut work) =
+            resolve::resolve(view, &plan, images.collect(), &keep, spare.rgb);
         for pass in &pass_work {
             work += *pass;
         }

@@ -6,7 +6,7 @@ use foveasim_models::{Affine, Feather, Image, Lattice, Map, View, Work};
 use glam::{DVec2, UVec2};
 
 use crate::kernels::Kernel;
-use crate::kernels::lanes::{self, F, max, saturate, splat, three};
+use crate::kernels::lanes::{self, F, max, put_triple, saturate, splat, triple};
 
 /// A pass as reconstruction sees it.
 pub(crate) struct Layer<'a> {
@@ -100,9 +100,11 @@ impl Kernel for ResolveRow<'_> {
             pixels_resolved: self.row.len() as u64,
             ..Work::default()
         };
-        self.outermost(simd, 0..shown.start, &mut work);
-        self.outermost(simd, shown.end..self.row.len(), &mut work);
-        self.several(shown, &mut work);
+        let (start, end) = (shown.start, shown.end);
+        // In the order of columns, as triples are to be stored.
+        self.outermost(simd, 0..start, &mut work);
+        self.several(simd, shown, &mut work);
+        self.outermost(simd, end..self.row.len(), &mut work);
         work
     }
 }
@@ -130,32 +132,17 @@ impl ResolveRow<'_> {
     fn outermost<S: lanes::Simd>(&mut self, simd: S, columns: Range<usize>, work: &mut Work) {
         let outer = self.layers.len() - 1;
         let (layer, between) = (&self.layers[outer], &self.scratch.between[outer]);
-        if layer.aligned.is_some() {
-            for x in columns {
-                let at = [x, self.y as usize];
-                self.row[x] = layer.fetch(at, between, &mut work.resolve_fetches);
-            }
-            return;
-        }
-        work.resolve_fetches += 4 * columns.len() as u64;
         let out = self.row.as_flattened_mut();
         for x in columns {
-            let (low, share) = layer.columns[x];
-            let beside = &between[3 * low as usize..][..7];
-            // A fourth number is computed and overwritten by the next pixel.
-            let a = f32x4::from_slice(simd, &beside[..4]);
-            let b = f32x4::from_slice(simd, &beside[3..]);
-            let colour = a + (b - a) * share;
-            match out.get_mut(3 * x..3 * x + 4) {
-                Some(out) => colour.store_slice(out),
-                None => out[3 * x..].copy_from_slice(&<[f32; 4]>::from(colour)[..3]),
-            }
+            let at = [x, self.y as usize];
+            let colour = layer.fetch(simd, at, between, &mut work.resolve_fetches);
+            put_triple(out, x, colour);
         }
     }
 
     /// Fills `columns`, where several layers may show.
     #[inline(always)]
-    fn several(&mut self, columns: Range<usize>, work: &mut Work) {
+    fn several<S: lanes::Simd>(&mut self, simd: S, columns: Range<usize>, work: &mut Work) {
         let (layers, y) = (self.layers, self.y as usize);
         let RowScratch {
             weights, between, ..
@@ -166,16 +153,17 @@ impl ResolveRow<'_> {
             while k < weights.len() && (weights[k][x] != 1.0 || layers[k].samples() == 0) {
                 k += 1;
             }
-            let mut colour = layers[k].fetch([x, y], &between[k], &mut work.resolve_fetches);
+            let mut colour = layers[k].fetch(simd, [x, y], &between[k], &mut work.resolve_fetches);
             while k > 0 {
                 k -= 1;
                 let w = weights[k][x];
                 if w > 0.0 && layers[k].samples() > 0 {
-                    let inner = layers[k].fetch([x, y], &between[k], &mut work.resolve_fetches);
-                    colour = three(|c| colour[c] + w * (inner[c] - colour[c]));
+                    let inner =
+                        layers[k].fetch(simd, [x, y], &between[k], &mut work.resolve_fetches);
+                    colour += (inner - colour) * w;
                 }
             }
-            self.row[x] = colour;
+            put_triple(self.row.as_flattened_mut(), x, colour);
         }
     }
 
@@ -273,20 +261,29 @@ impl Layer<'_> {
     }
 
     /// The layer's colour at the centre of pixel (x, y): bilinear between sample centres, or the
-    /// sample itself where samples are pixels.
+    /// sample itself where samples are pixels. The fourth number is none.
     #[inline(always)]
-    fn fetch(&self, [x, y]: [usize; 2], between: &[f32], count: &mut u64) -> [f32; 3] {
+    fn fetch<S: lanes::Simd>(
+        &self,
+        simd: S,
+        [x, y]: [usize; 2],
+        between: &[f32],
+        count: &mut u64,
+    ) -> f32x4<S> {
         if let Some(origin) = self.aligned {
             *count += 1;
-            let [sx, sy] = [0, 1].map(|k| {
-                let p = [x, y][k] as i64 - origin[k];
-                p.clamp(0, i64::from(self.size[k]) - 1) as usize
-            });
-            return self.image.rgb[sy * self.size.x as usize + sx];
+            let on = |axis: usize, p: usize| {
+                let p = p as i64 - origin[axis];
+                p.clamp(0, i64::from(self.size[axis]) - 1) as usize
+            };
+            let sample = on(1, y) * self.size.x as usize + on(0, x);
+            return triple(simd, self.image.rgb.as_flattened(), sample);
         }
         *count += 4;
         let (low, share) = self.columns[x];
-        let beside = &between[3 * low as usize..][..6];
-        three(|c| beside[c] + share * (beside[c + 3] - beside[c]))
+        let beside = &between[3 * low as usize..][..7];
+        let a = f32x4::from_slice(simd, &beside[..4]);
+        let b = f32x4::from_slice(simd, &beside[3..]);
+        a + (b - a) * share
     }
 }

@@ -2,7 +2,7 @@
 //! results IEEE 754 defines, so each vector level gives the same bits.
 
 use fearless_simd::prelude::*;
-pub(crate) use fearless_simd::{f32x8, i32x8, mask32x8};
+pub(crate) use fearless_simd::{f32x4, f32x8, i32x8, mask32x8};
 
 /// A vector level that kernels are compiled for.
 pub(crate) trait Simd: fearless_simd::Simd {
@@ -91,4 +91,33 @@ pub(crate) fn saturate<S: Simd, V: Float<S>>(a: V) -> V {
         #[inline(always)]
         || min(max(a, V::splat(simd, 0.0)), V::splat(simd, 1.0)),
     )
+}
+
+/// Three numbers from the `k`-th triple on, and one more that is of no use.
+#[inline(always)]
+pub(crate) fn triple<S: Simd>(simd: S, all: &[f32], k: usize) -> f32x4<S> {
+    match all.get(3 * k..3 * k + 4) {
+        Some(four) => f32x4::from_slice(simd, four),
+        None => {
+            let [a, b, c] = three(
+                #[inline(always)]
+                |i| all[3 * k + i],
+            );
+            f32x4::from_slice(simd, &[a, b, c, c])
+        }
+    }
+}
+
+/// Stores the first three numbers as the `k`-th triple. The fourth spoils the next triple, if there is
+/// one: triples are stored from the first to the last.
+#[inline(always)]
+pub(crate) fn put_triple<S: Simd>(all: &mut [f32], k: usize, v: f32x4<S>) {
+    match all.get_mut(3 * k..3 * k + 4) {
+        Some(out) => v.store_slice(out),
+        None => {
+            for i in 0..3 {
+                all[3 * k + i] = v[i];
+            }
+        }
+    }
 }

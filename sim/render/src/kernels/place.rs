@@ -3,7 +3,7 @@ use fearless_simd::prelude::*;
 use glam::UVec2;
 
 use super::cubic::cubic;
-use super::lanes::{F, Simd, i32x8, splat, three};
+use super::lanes::{F, Simd, i32x8, splat, triple};
 use super::reproject::{Before, ReprojectRow, SAME_SURFACE, Warp};
 
 /// Which samples of an earlier lattice are around a place, and by what share.
@@ -34,21 +34,6 @@ pub(super) struct Found<S: Simd> {
 #[inline(always)]
 fn shows(nearest: f32, inverse_w: f32) -> bool {
     (nearest - inverse_w).abs() <= SAME_SURFACE * inverse_w
-}
-
-/// Three numbers from the `k`-th triple on, and one more that is of no use.
-#[inline(always)]
-pub(super) fn triple<S: Simd>(simd: S, all: &[f32], k: usize) -> f32x4<S> {
-    match all.get(3 * k..3 * k + 4) {
-        Some(four) => f32x4::from_slice(simd, four),
-        None => {
-            let [a, b, c] = three(
-                #[inline(always)]
-                |i| all[3 * k + i],
-            );
-            f32x4::from_slice(simd, &[a, b, c, c])
-        }
-    }
 }
 
 #[inline(always)]

@@ -6,8 +6,8 @@ use glam::UVec2;
 use super::Kernel;
 use super::cubic::Centre;
 use super::extremes::Extremes;
-use super::lanes::Simd;
-use super::place::{Gathered, Places, triple};
+use super::lanes::{Simd, put_triple, triple};
+use super::place::{Gathered, Places};
 
 /// By what part 1/w may differ within a surface, from sample to sample and from what is expected of an
 /// earlier image: what is nearer than this part of the distance before another surface passes for it.
@@ -269,11 +269,7 @@ impl ReprojectRow<'_> {
             // Where old and new agree the result is that very number, not one close to it.
             let mean = new + (old - new) * weight;
             self.out_length[x] = length + 1.0;
-            match self.out.as_flattened_mut().get_mut(3 * x..3 * x + 4) {
-                // The fourth number is where the next sample will be written.
-                Some(out) => mean.store_slice(out),
-                None => self.out[x] = [mean[0], mean[1], mean[2]],
-            }
+            put_triple(self.out.as_flattened_mut(), x, mean);
         }
     }
 }

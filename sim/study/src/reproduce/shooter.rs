@@ -5,10 +5,11 @@ use foveasim_assets::{STUDY_FRAMES, Scene, StudyGaze, study_camera};
 use foveasim_models::foveation::{Method, Prepared, Request};
 use foveasim_models::math::{mean, quantile_sorted, sum};
 use foveasim_models::{
-    Acuity, Cadence, Eye, GazeDirection, ModelError, Msaa, Resolve, SamplePlan, View, Viewport,
-    Visibility,
+    Acuity, Cadence, Eye, GazeDirection, Image, ModelError, Msaa, Resolve, SamplePlan, View,
+    Viewport, Visibility,
 };
 use foveasim_render::{Frame, RenderOptions, Sequence, TemporalOptions};
+use glam::UVec2;
 
 use super::payoff::coarser;
 use crate::FrameError;
@@ -44,6 +45,8 @@ pub(super) struct Shooter<'a> {
     step: Option<f64>,
     in_turns: bool,
     sequence: Sequence,
+    /// Memory for the next image.
+    spare: Image,
 }
 
 /// Which layers are drawn once all have been.
@@ -152,6 +155,7 @@ impl<'a> Shooter<'a> {
             step: None,
             in_turns: true,
             sequence: Sequence::new(antialiasing.temporal(true)),
+            spare: Image::filled(UVec2::ZERO, [0.0; 3]),
         }
     }
 
@@ -219,9 +223,15 @@ impl<'a> Shooter<'a> {
         let view = self.flight.view(frame);
         let options = RenderOptions::default();
         let frame = u64::from(frame);
+        let spare = std::mem::replace(&mut self.spare, Image::filled(UVec2::ZERO, [0.0; 3]));
         Ok(self
             .sequence
-            .draw(self.scene, &view, &plan, frame, &options)?)
+            .draw_into(self.scene, &view, &plan, frame, &options, spare)?)
+    }
+
+    /// Takes back an image that is no longer needed, as programs do that draw frame after frame.
+    pub(super) fn reuse(&mut self, image: Image) {
+        self.spare = image;
     }
 
     /// Frames to draw before one can be timed: until every layer and a history are there.
@@ -265,14 +275,15 @@ pub(super) fn time(
         for (shooter, times) in shooters.iter_mut().zip(&mut times) {
             shooter.cut();
             for frame in moment - shooter.warm_up()..moment {
-                shooter.draw(frame)?;
+                let drawn = shooter.draw(frame)?;
+                shooter.reuse(drawn.image);
             }
             let mut ms = Vec::new();
             for frame in moment..moment + TIMED {
                 let begin = clock();
                 let drawn = shooter.draw(frame)?;
                 ms.push((clock().saturating_sub(begin)).as_secs_f64() * 1e3);
-                drop(drawn);
+                shooter.reuse(drawn.image);
             }
             shooter.cut();
             times.frame_ms.push(mean(&ms));

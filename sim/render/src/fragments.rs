@@ -1,6 +1,8 @@
 use foveasim_models::{Msaa, Shading, ShadingRate, TileRates, Work};
 use glam::UVec2;
 
+use crate::kernels::Kernel;
+use crate::kernels::lanes::Simd;
 use crate::tile::{
     ALL, BLOCK, LANES, LaneSet, SampleTile, TILE, TILE_SAMPLES, TileBuffers, index_of, position_of,
 };
@@ -89,28 +91,11 @@ impl Fragments {
         self.edge_of[index_of(x, y)] as usize
     }
 
-    /// Collects what is visible in a tile of `slots` slots; `material` is that of a slot from 1 on.
-    pub(crate) fn collect(
-        &mut self,
-        tile: &SampleTile,
-        buffers: &TileBuffers,
-        msaa: Msaa,
-        rates: Rates<'_>,
-        slots: usize,
-        material: impl Fn(u32) -> u32,
-        work: &mut Work,
-    ) {
-        for bucket in &mut self.buckets {
-            bucket.blocks.clear();
-            bucket.fragments.clear();
-        }
-        for [x, y] in self.edges.drain(..) {
-            self.edge_of[index_of(x.into(), y.into())] = WHOLE;
-        }
-        self.find_visible(buffers, slots, material);
-        let collector = Collector { buffers, msaa };
-        for block in 0..buffers.valid.len() {
-            if buffers.valid[block] == 0 && rates.0.is_none() {
+    /// Collects what is visible in a tile.
+    #[inline(always)]
+    fn collect(&mut self, tile: &SampleTile, c: &Collector<'_>, rates: Rates<'_>, work: &mut Work) {
+        for block in 0..c.buffers.valid.len() {
+            if c.buffers.valid[block] == 0 && rates.0.is_none() {
                 continue;
             }
             let first = UVec2::from(position_of(block * LANES));
@@ -118,8 +103,8 @@ impl Fragments {
                 continue;
             }
             match rates.at(tile.origin + first) {
-                ShadingRate { x: 1, y: 1 } => self.block(&collector, block, first, work),
-                rate => self.coarse(&collector, first, rate, work),
+                ShadingRate { x: 1, y: 1 } => self.block(c, block, first, work),
+                rate => self.coarse(c, first, rate, work),
             }
         }
         for (bucket, count) in self.buckets.iter().zip(0..) {
@@ -132,7 +117,19 @@ impl Fragments {
         }
     }
 
+    /// Forgets the tile before.
+    fn clear(&mut self) {
+        for bucket in &mut self.buckets {
+            bucket.blocks.clear();
+            bucket.fragments.clear();
+        }
+        for [x, y] in self.edges.drain(..) {
+            self.edge_of[index_of(x.into(), y.into())] = WHOLE;
+        }
+    }
+
     /// Finds which of `slots` slots are visible, and their buckets.
+    #[inline(always)]
     fn find_visible(&mut self, buffers: &TileBuffers, slots: usize, material: impl Fn(u32) -> u32) {
         // Marks need no branches. Samples that are not drawn were cleared: they show sky.
         self.seen.clear();
@@ -169,6 +166,7 @@ impl Fragments {
     }
 
     /// A block of samples, each shaded by itself.
+    #[inline(always)]
     fn block(&mut self, c: &Collector<'_>, block: usize, first: UVec2, work: &mut Work) {
         let positions = c.msaa.positions() as usize;
         let valid = c.buffers.valid[block];
@@ -180,7 +178,14 @@ impl Fragments {
                 *d |= a ^ b;
             }
         }
-        let crossed = lanes(|lane| differ[lane] != 0) & valid;
+        let crossed = if c.all_edges && positions > 1 {
+            valid
+        } else {
+            lanes(
+                #[inline(always)]
+                |lane| differ[lane] != 0,
+            ) & valid
+        };
         if crossed == 0 && valid == ALL {
             let bucket = self.only.unwrap_or(self.bucket_of[nearest[0] as usize]);
             let alike = self.only.is_some()
@@ -264,7 +269,7 @@ impl Fragments {
                     continue;
                 }
                 let sample = (dy * size.x + dx) as usize;
-                let mut several = false;
+                let mut several = c.all_edges && positions > 1;
                 for p in 0..positions {
                     let slot = c.buffers.slot[block * positions + p][lane];
                     let bit = 1 << (sample * positions + p);
@@ -293,9 +298,45 @@ fn lanes(holds: impl Fn(usize) -> bool) -> LaneSet {
     (0..LANES).fold(0, |set, lane| set | LaneSet::from(holds(lane)) << lane)
 }
 
+/// Collects what is visible in a tile of `slots` slots.
+pub(crate) struct Collect<'a, M> {
+    pub(crate) fragments: &'a mut Fragments,
+    pub(crate) tile: &'a SampleTile,
+    pub(crate) buffers: &'a TileBuffers,
+    pub(crate) msaa: Msaa,
+    pub(crate) rates: Rates<'a>,
+    /// Whether samples are resolved that no edge crosses.
+    pub(crate) all_edges: bool,
+    pub(crate) slots: usize,
+    /// That of a slot from 1 on.
+    pub(crate) material: M,
+    pub(crate) work: &'a mut Work,
+}
+
+impl<M: Fn(u32) -> u32> Kernel for Collect<'_, M> {
+    type Output = ();
+
+    /// Plain loops, which the compiler gives the instructions of the level.
+    #[inline(always)]
+    fn run<S: Simd>(self, _: S) {
+        let Self {
+            fragments, buffers, ..
+        } = self;
+        fragments.clear();
+        fragments.find_visible(buffers, self.slots, self.material);
+        let collector = Collector {
+            buffers,
+            msaa: self.msaa,
+            all_edges: self.all_edges,
+        };
+        fragments.collect(self.tile, &collector, self.rates, self.work);
+    }
+}
+
 /// What a tile shows.
 #[derive(Clone, Copy)]
 struct Collector<'a> {
     buffers: &'a TileBuffers,
     msaa: Msaa,
+    all_edges: bool,
 }

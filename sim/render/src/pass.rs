@@ -3,7 +3,7 @@ use foveasim_models::{Image, Map, Msaa, Pass, SamplePlan, View, Visibility, Work
 use glam::UVec2;
 use rayon::prelude::*;
 
-use crate::fragments::{Fragments, Rates};
+use crate::fragments::{Collect, Fragments, Rates};
 use crate::kernels::{Attributes, Details, RasterizeTile, ShadeContext, ShadeTile, dispatch};
 use crate::live::{Live, grid};
 use crate::msaa::offsets;
@@ -396,15 +396,18 @@ impl<'a> Drawing<'a> {
             edges,
             instances: _,
         } = scratch;
-        fragments.collect(
+        let collect = Collect {
+            fragments,
             tile,
             buffers,
-            self.msaa,
-            self.rates,
-            triangles.len(),
-            |slot| self.material(&triangles[slot as usize - 1]) as u32,
-            &mut work,
-        );
+            msaa: self.msaa,
+            rates: self.rates,
+            all_edges: !self.options.skip.whole_samples,
+            slots: triangles.len(),
+            material: |slot| self.material(&triangles[slot as usize - 1]) as u32,
+            work: &mut work,
+        };
+        dispatch(self.options.simd, collect);
         let visible = fragments.visible.iter();
         let visible = visible.map(|&slot| &triangles[slot as usize - 1]);
         corners.clear();

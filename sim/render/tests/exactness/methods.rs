@@ -193,6 +193,13 @@ fn what_is_skipped_is_not_missed() {
                 ..none
             },
         ),
+        (
+            "whole",
+            Skip {
+                whole_samples: true,
+                ..none
+            },
+        ),
         ("all", Skip::ALL),
     ];
     let view = study_view(180, 101);

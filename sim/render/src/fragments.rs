@@ -87,8 +87,10 @@ impl Fragments {
     }
 
     /// Which edge sample a sample of the tile is, if it is one.
-    pub(crate) fn edge(&self, x: u32, y: u32) -> usize {
-        self.edge_of[index_of(x, y)] as usize
+    #[inline(always)]
+    pub(crate) fn edge(&self, x: u32, y: u32) -> Option<usize> {
+        let edge = self.edge_of[index_of(x, y)];
+        (edge != WHOLE).then_some(edge as usize)
     }
 
     /// Collects what is visible in a tile.

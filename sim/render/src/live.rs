@@ -51,41 +51,48 @@ impl<'a> Live<'a> {
         self.region.is_none() && self.hidden.is_none()
     }
 
-    /// Takes dead samples out of the lanes of each block that are `valid`.
-    pub(crate) fn clear_dead(&self, tile: &SampleTile, valid: &mut [LaneSet]) {
-        if let Some(mask) = self.region {
-            each_block(tile, valid, |_, sample| mask.is_live(sample));
+    /// Takes samples that are not drawn out of the lanes of each block that are `valid`, and counts them.
+    pub(crate) fn clear(&self, tile: &SampleTile, valid: &mut [LaneSet], work: &mut Work) {
+        if self.is_all() {
+            return;
         }
+        let all = u64::from(tile.size.x) * u64::from(tile.size.y);
+        if let Some(mask) = self.region {
+            clear_dead(mask, tile, valid);
+        }
+        let live = samples(valid);
+        work.samples_dead += all - live;
         if let Some(hidden) = &self.hidden
             && hidden.touches(tile)
         {
             hidden.clear(tile, valid);
+            work.samples_hidden += live - samples(valid);
         }
-    }
-
-    /// Counts the samples of `tile` that are not drawn, given the lanes that are.
-    pub(crate) fn count(&self, tile: &SampleTile, valid: &[LaneSet], work: &mut Work) {
-        if self.is_all() {
-            return;
-        }
-        let drawn: u64 = valid.iter().map(|v| u64::from(v.count_ones())).sum();
-        let all = u64::from(tile.size.x) * u64::from(tile.size.y);
-        let dead = self.region.map_or(0, |mask| {
-            let samples =
-                (0..tile.size.y).flat_map(|y| (0..tile.size.x).map(move |x| UVec2::new(x, y)));
-            samples.filter(|s| !mask.is_live(tile.origin + *s)).count() as u64
-        });
-        work.samples_dead += dead;
-        work.samples_hidden += all - drawn - dead;
     }
 }
 
-/// Keeps of the `valid` lanes those for which `keep` holds of block and sample.
-fn each_block(tile: &SampleTile, valid: &mut [LaneSet], keep: impl Fn(usize, UVec2) -> bool) {
+fn samples(valid: &[LaneSet]) -> u64 {
+    valid.iter().map(|v| u64::from(v.count_ones())).sum()
+}
+
+/// Takes out what is dead. A block mostly lies in one cell, which is asked once.
+fn clear_dead(mask: &CellMask, tile: &SampleTile, valid: &mut [LaneSet]) {
     for (block, lanes) in valid.iter_mut().enumerate() {
-        for lane in 0..LANES {
-            let [x, y] = position_of(block * LANES + lane);
-            if *lanes >> lane & 1 != 0 && !keep(block, tile.origin + UVec2::new(x, y)) {
+        if *lanes == 0 {
+            continue;
+        }
+        let first = tile.origin + UVec2::from(position_of(block * LANES));
+        let last = (first + UVec2::from(BLOCK) - 1).min(tile.origin + tile.size - 1);
+        if first / mask.cell() == last / mask.cell() {
+            if !mask.is_live(first) {
+                *lanes = 0;
+            }
+            continue;
+        }
+        let asked = *lanes;
+        for lane in (0..LANES).filter(|lane| asked >> lane & 1 != 0) {
+            let sample = tile.origin + UVec2::from(position_of(block * LANES + lane));
+            if !mask.is_live(sample) {
                 *lanes &= !(1 << lane);
             }
         }

@@ -348,9 +348,7 @@ impl<'a> Drawing<'a> {
 
     /// Whether anything of the tile is drawn.
     fn find_visible(&self, tile: &SampleTile, scratch: &mut Scratch, work: &mut Work) -> bool {
-        scratch.buffers.clear(tile, &self.live);
-        self.live.count(tile, &scratch.buffers.valid, work);
-        if scratch.buffers.valid.iter().all(|lanes| *lanes == 0) {
+        if !scratch.buffers.clear(tile, &self.live, work) {
             scratch.triangles.clear();
             return false;
         }

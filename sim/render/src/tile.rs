@@ -1,4 +1,4 @@
-use foveasim_models::{Affine, Lattice, Map, Pass};
+use foveasim_models::{Affine, Lattice, Map, Pass, Work};
 use glam::UVec2;
 
 use crate::live::Live;
@@ -121,12 +121,9 @@ impl TileBuffers {
         }
     }
 
-    /// Empties the buffers for `tile`, of which only `live` samples are drawn.
-    pub(crate) fn clear(&mut self, tile: &SampleTile, live: &Live<'_>) {
-        self.depth.fill([0.0; LANES]);
-        self.slot.fill([0; LANES]);
-        self.farthest.fill(0.0);
-        self.changed.fill(0);
+    /// Empties the buffers for `tile`, of which only `live` samples are drawn. Whether any is; if none,
+    /// only the lanes that are drawn are as they must be.
+    pub(crate) fn clear(&mut self, tile: &SampleTile, live: &Live<'_>, work: &mut Work) -> bool {
         self.valid.fill(ALL);
         if tile.size != UVec2::splat(TILE) {
             for (block, valid) in self.valid.iter_mut().enumerate() {
@@ -139,7 +136,15 @@ impl TileBuffers {
                     .sum();
             }
         }
-        live.clear_dead(tile, &mut self.valid);
+        live.clear(tile, &mut self.valid, work);
+        if self.valid.iter().all(|lanes| *lanes == 0) {
+            return false;
+        }
+        self.depth.fill([0.0; LANES]);
+        self.slot.fill([0; LANES]);
+        self.farthest.fill(0.0);
+        self.changed.fill(0);
+        true
     }
 }
 

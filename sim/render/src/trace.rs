@@ -1,5 +1,5 @@
 use foveasim_assets::Scene;
-use foveasim_models::{Msaa, SamplePlan, View, Visibility};
+use foveasim_models::{Msaa, SamplePlan, View, Visibility, Work};
 use glam::{DVec2, DVec3, UVec2};
 use rayon::prelude::*;
 
@@ -104,7 +104,7 @@ fn drawn(tile: &SampleTile, live: &Live<'_>) -> impl Iterator<Item = UVec2> + us
         let inside = at(index).cmplt(tile.size).all();
         valid[index / LANES] |= LaneSet::from(inside) << (index % LANES);
     }
-    live.clear_dead(tile, &mut valid);
+    live.clear(tile, &mut valid, &mut Work::default());
     let origin = tile.origin;
     (0..TILE_SAMPLES)
         .filter(move |index| valid[index / LANES] >> (index % LANES) & 1 != 0)

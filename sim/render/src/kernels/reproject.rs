@@ -91,6 +91,12 @@ impl Kernel for ReprojectRow<'_> {
     #[inline(always)]
     fn run<S: Simd>(mut self, simd: S) -> Work {
         let mut work = Work::default();
+        if self.is_empty() {
+            self.out.fill([0.0; 3]);
+            self.out_length.fill(0.0);
+            self.out_nearest.fill(f32::NAN);
+            return work;
+        }
         self.surfaces();
         match self.source {
             Source::Nowhere => self.start(),
@@ -135,6 +141,15 @@ fn rows<T>(all: &[T], y: usize, width: usize) -> [&[T]; 3] {
 }
 
 impl ReprojectRow<'_> {
+    /// Whether nothing of the row was drawn.
+    #[inline(always)]
+    fn is_empty(&self) -> bool {
+        self.new_row().iter().all(
+            #[inline(always)]
+            |rgb| rgb[0].is_nan(),
+        )
+    }
+
     /// Chooses the surface that each sample follows: the nearest of the 3×3 around, if that is another
     /// one; else its own.
     ///

@@ -399,11 +399,11 @@ impl ShadeTile<'_, '_> {
                     continue;
                 }
                 let (x, y) = (fragment.first[0] + dx, fragment.first[1] + dy);
-                if seen == every {
+                let Some(edge) = self.fragments.edge(x.into(), y.into()) else {
                     self.out[y as usize][x as usize] = colour;
                     continue;
-                }
-                let edge = &mut self.edges[self.fragments.edge(x.into(), y.into())];
+                };
+                let edge = &mut self.edges[edge];
                 for (p, out) in edge.iter_mut().enumerate() {
                     if seen >> p & 1 != 0 {
                         *out = colour;

@@ -15,10 +15,13 @@ use super::{Guenter2012, ReproduceError, check};
 /// What layers save in time, and what of a frame's time samples are the cause of: on the full study
 /// scene, with the antialiasing of the user study, at the slope of quality A.
 ///
-/// Every way to draw is timed at several densities: the same plan with its samples farther apart. What
-/// a sample costs is the slope of time over samples; what is left of a frame is its fixed part
-/// (geometry, reconstruction). Coarser samples also ask for coarser tessellations, so a part of the
-/// geometry counts as theirs; `r2` says how straight the line is.
+/// The fixed part of a frame (geometry, putting the layers together) is measured: the same frame with no
+/// sample of it drawn. All that is left is what samples cost: visibility, shading, and finding each in the
+/// frame before.
+///
+/// Beside it, every way is timed at several densities: the same plan with its samples farther apart.
+/// The slope of time over samples is another measure of what one costs, and counts a part of the
+/// geometry as theirs, since coarser samples ask for coarser tessellations.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Payoff {
     /// Full resolution, then every other way.
@@ -34,9 +37,11 @@ pub struct PayoffRow {
     pub in_turns: bool,
     /// Samples per frame and times, from the plan itself to the coarsest.
     pub densities: Vec<(f64, Times)>,
-    /// Time that each sample adds \[ns\].
-    pub per_sample_ns: f64,
-    /// Coefficient of determination of the line over the densities.
+    /// Times of the plan itself with no sample drawn.
+    pub fixed: Times,
+    /// Slope of time over samples \[ns\].
+    pub slope_ns: f64,
+    /// Coefficient of determination of that line.
     pub r2: f64,
 }
 
@@ -72,17 +77,21 @@ impl Guenter2012 {
             for step in STEPS {
                 shooters.push(shooter(&flight, &scene, *way, Some(step))?);
             }
+            shooters.push(shooter(&flight, &scene, *way, None)?.without_samples());
         }
         let steps = (shooters.len() * moments.len()) as f64;
         let mut step = super::stepper(progress, "time over samples", [0.0, 1.0], steps);
+        let mut shooters: Vec<_> = shooters.into_iter().map(Shooter::settled).collect();
         let times = time(&mut shooters, &moments, clock, &mut step)?;
         let mut measured = Vec::new();
         for (shooter, times) in shooters.iter().zip(times) {
             measured.push((shooter.samples_drawn(&moments)?, times));
         }
         let as_drawn = measured.remove(0);
-        let rows = ways.iter().zip(measured.chunks_exact(STEPS.len()));
-        let mut rows: Vec<_> = rows.map(|(way, m)| PayoffRow::new(*way, m)).collect();
+        let rows = ways.iter().zip(measured.chunks_exact(STEPS.len() + 1));
+        let mut rows: Vec<_> = rows
+            .map(|(way, m)| PayoffRow::new(*way, &m[..STEPS.len()], m[STEPS.len()].1.clone()))
+            .collect();
         rows[0].densities[0] = as_drawn;
         Ok(Payoff { rows })
     }
@@ -149,14 +158,15 @@ impl Shooter<'_> {
 }
 
 impl PayoffRow {
-    fn new((method, in_turns): (Method, bool), densities: &[(f64, Times)]) -> Self {
+    fn new((method, in_turns): (Method, bool), densities: &[(f64, Times)], fixed: Times) -> Self {
         let points = densities.iter().map(|(n, times)| [*n, times.mean_ms()]);
         let line = Line::through(&points.collect::<Vec<_>>());
         Self {
             method,
             in_turns,
             densities: densities.to_vec(),
-            per_sample_ns: line.slope * 1e6,
+            fixed,
+            slope_ns: line.slope * 1e6,
             r2: line.r2,
         }
     }
@@ -171,9 +181,14 @@ impl PayoffRow {
         self.densities[0].1.mean_ms()
     }
 
-    /// What a frame takes beyond what its samples cost \[ms\].
+    /// Mean time of a frame of which no sample is drawn \[ms\].
     pub fn fixed_ms(&self) -> f64 {
-        self.frame_ms() - self.samples() * self.per_sample_ns * 1e-6
+        self.fixed.mean_ms()
+    }
+
+    /// What each sample costs \[ns\].
+    pub fn per_sample_ns(&self) -> f64 {
+        (self.frame_ms() - self.fixed_ms()) / self.samples() * 1e6
     }
 }
 
@@ -207,9 +222,10 @@ impl Payoff {
             "fixed_ms",
             "fixed_share",
             "per_sample_ns",
-            "r2",
             "speedup_without_fixed",
             "speedup_without_fixed_over_sample_ratio",
+            "slope_ns",
+            "r2",
         ]);
         for row in &self.rows {
             let ratio = self.sample_ratio(row);
@@ -224,16 +240,18 @@ impl Payoff {
                 (whole / ratio).into(),
                 row.fixed_ms().into(),
                 (row.fixed_ms() / row.frame_ms()).into(),
-                row.per_sample_ns.into(),
-                row.r2.into(),
+                row.per_sample_ns().into(),
                 variable.into(),
                 (variable / ratio).into(),
+                row.slope_ns.into(),
+                row.r2.into(),
             ]);
         }
         table
     }
 
-    /// Every time that was measured: one row for each way, density and moment.
+    /// Every time that was measured: one row for each way, density and moment; no samples stand for the
+    /// fixed part.
     pub fn raw_table(&self) -> Table {
         let columns = [
             "method",
@@ -244,7 +262,8 @@ impl Payoff {
         ];
         let mut table = Table::new(columns);
         for row in &self.rows {
-            for (samples, times) in &row.densities {
+            let fixed = (0.0, row.fixed.clone());
+            for (samples, times) in row.densities.iter().chain([&fixed]) {
                 for (moment, ms) in times.frame_ms.iter().enumerate() {
                     table.push(vec![
                         row.method.to_string().into(),
@@ -270,7 +289,10 @@ mod tests {
             let frame_ms = vec![fixed_ms + n * ns * 1e-6; 2];
             (n, Times { frame_ms })
         };
-        PayoffRow::new((method.parse().unwrap(), false), &STEPS.map(at))
+        let fixed = Times {
+            frame_ms: vec![fixed_ms; 2],
+        };
+        PayoffRow::new((method.parse().unwrap(), false), &STEPS.map(at), fixed)
     }
 
     #[test]
@@ -281,12 +303,13 @@ mod tests {
         ];
         let payoff = Payoff { rows };
         let layers = &payoff.rows[1];
-        assert!((layers.fixed_ms() - 20.0).abs() < 1e-9 && (layers.r2 - 1.0).abs() < 1e-12);
+        assert!((layers.per_sample_ns() - 110.0).abs() < 1e-9);
+        assert!((layers.slope_ns - 110.0).abs() < 1e-9 && (layers.r2 - 1.0).abs() < 1e-12);
         assert!((payoff.sample_ratio(layers) - 10.0).abs() < 1e-12);
         assert!((payoff.speedup(layers) - 210.0 / 42.0).abs() < 1e-12);
         assert!((payoff.speedup_of_samples(layers) - 200.0 / 22.0).abs() < 1e-9);
         assert_eq!(payoff.table().rows().len(), 2);
-        assert_eq!(payoff.raw_table().rows().len(), 2 * STEPS.len() * 2);
+        assert_eq!(payoff.raw_table().rows().len(), 2 * (STEPS.len() + 1) * 2);
     }
 
     #[test]
@@ -314,6 +337,7 @@ mod tests {
                 assert!((n / expected - 1.0).abs() < 0.2, "{samples:?}");
             }
             assert!(row.samples() <= pixels);
+            assert_eq!(row.fixed.frame_ms.len(), row.densities[0].1.frame_ms.len());
         }
         assert!(payoff.rows[2].samples() < payoff.rows[1].samples());
     }

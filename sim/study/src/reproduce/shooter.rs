@@ -5,8 +5,8 @@ use foveasim_assets::{STUDY_FRAMES, Scene, StudyGaze, study_camera};
 use foveasim_models::foveation::{Method, Prepared, Request};
 use foveasim_models::math::{mean, quantile_sorted, sum};
 use foveasim_models::{
-    Acuity, Cadence, Eye, GazeDirection, Image, ModelError, Msaa, Resolve, SamplePlan, View,
-    Viewport, Visibility,
+    Acuity, Cadence, CellMask, Eye, GazeDirection, Image, Lattice, ModelError, Msaa, Region,
+    Resolve, SamplePlan, View, Viewport, Visibility,
 };
 use foveasim_render::{Frame, RenderOptions, Sequence, TemporalOptions};
 use glam::UVec2;
@@ -44,6 +44,10 @@ pub(super) struct Shooter<'a> {
     /// How many times farther apart samples are, and then put together by interpolation.
     step: Option<f64>,
     in_turns: bool,
+    /// Whether no sample is drawn.
+    empty: bool,
+    /// More frames than are needed are drawn before one is timed.
+    settle: u32,
     sequence: Sequence,
     /// Memory for the next image.
     spare: Image,
@@ -154,6 +158,8 @@ impl<'a> Shooter<'a> {
             due: Due::Planned,
             step: None,
             in_turns: true,
+            empty: false,
+            settle: 0,
             sequence: Sequence::new(antialiasing.temporal(true)),
             spare: Image::filled(UVec2::ZERO, [0.0; 3]),
         }
@@ -174,6 +180,20 @@ impl<'a> Shooter<'a> {
             step: Some(step),
             ..self
         }
+    }
+
+    /// The same without drawing any sample: what is left is geometry, and putting images together.
+    pub(super) fn without_samples(self) -> Self {
+        Self {
+            empty: true,
+            ..self
+        }
+    }
+
+    /// The same with more frames drawn before one is timed, so that caches hold what they hold in a program
+    /// that shows nothing else.
+    pub(super) fn settled(self) -> Self {
+        Self { settle: 4, ..self }
     }
 
     /// Whether layers are drawn in the frames of their cadence alone.
@@ -202,6 +222,9 @@ impl<'a> Shooter<'a> {
         for (k, pass) in plan.passes.iter_mut().enumerate() {
             if self.antialiasing.msaa {
                 pass.visibility = Visibility::Own(Msaa::Four);
+            }
+            if let (true, Lattice::Grid(size)) = (self.empty, pass.lattice) {
+                pass.region = Region::Cells(CellMask::new(size, size, |_| false));
             }
             pass.cadence = match self.due {
                 Due::Planned => pass.cadence,
@@ -239,11 +262,12 @@ impl<'a> Shooter<'a> {
         let together =
             self.antialiasing == Antialiasing::default() || self.antialiasing == Antialiasing::MSAA;
         let alone = self.plan(0).is_ok_and(|p| p.resolve == Resolve::Direct);
-        if together && alone && self.due == Due::Planned {
+        let needed = if together && alone && self.due == Due::Planned {
             0
         } else {
             WARM_UP
-        }
+        };
+        needed + self.settle
     }
 }
 
@@ -274,7 +298,7 @@ pub(super) fn time(
     for &moment in moments {
         for (shooter, times) in shooters.iter_mut().zip(&mut times) {
             shooter.cut();
-            for frame in moment - shooter.warm_up()..moment {
+            for frame in moment.saturating_sub(shooter.warm_up())..moment {
                 let drawn = shooter.draw(frame)?;
                 shooter.reuse(drawn.image);
             }

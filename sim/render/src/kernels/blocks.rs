@@ -18,23 +18,13 @@ pub(super) const CELL_OF: [u8; BLOCKS] = {
     cells
 };
 
-/// For each set of lanes of two rows of a block, how many quads of 2 × 2 samples they are of: lanes 0, 1, 4, 5
-/// are one, the others the second.
-const QUADS: [u8; 256] = {
-    let mut quads = [0; 256];
-    let mut lanes = 0;
-    while lanes < 256 {
-        quads[lanes] = (lanes & 0x33 != 0) as u8 + (lanes & 0xcc != 0) as u8;
-        lanes += 1;
-    }
-    quads
-};
-
 /// How many quads of 2 × 2 samples a set of lanes is of.
 #[inline(always)]
 pub(super) fn quads(lanes: LaneSet) -> u64 {
-    let [upper, lower] = lanes.to_le_bytes();
-    u64::from(QUADS[usize::from(upper)] + QUADS[usize::from(lower)])
+    // To the left lane of each pair, then to the upper one of each pair of pairs.
+    let pairs = lanes | lanes >> 1;
+    let quads = (pairs | pairs >> BLOCK[0]) & 0x0505;
+    u64::from(quads.count_ones())
 }
 
 /// First sample of each block.
@@ -51,3 +41,20 @@ pub(super) const BLOCK_AT: [[f32; 2]; BLOCKS] = {
     }
     at
 };
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn quads_are_pairs_of_rows_and_columns() {
+        for lanes in 0..=LaneSet::MAX {
+            let mut seen = [false; 4];
+            for lane in (0..LANES).filter(|lane| lanes >> lane & 1 != 0) {
+                seen[lane / 8 * 2 + lane % 4 / 2] = true;
+            }
+            let expected = seen.iter().filter(|seen| **seen).count() as u64;
+            assert_eq!(quads(lanes), expected, "{lanes:b}");
+        }
+    }
+}

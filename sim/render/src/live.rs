@@ -1,13 +1,13 @@
-use foveasim_models::{Affine, CellMask, Feather, Lattice, Map, Pass, Region, Resolve, SamplePlan};
+use foveasim_models::{Affine, Feather, Lattice, Map, Pass, Region, Resolve, SamplePlan};
 use foveasim_models::{Viewport, Work};
 use glam::{DVec2, DVec3, UVec2};
 
-use crate::tile::{BLOCK, LANES, LaneSet, SampleTile, TILE, position_of};
+use crate::tile::{BLOCK, BLOCKS_ACROSS, LANES, LaneSet, SampleTile, TILE, position_of};
 
 /// Which samples of a pass are drawn.
 #[derive(Debug)]
 pub(crate) struct Live<'a> {
-    region: Option<&'a CellMask>,
+    region: Option<&'a Region>,
     hidden: Option<Hidden<'a>>,
 }
 
@@ -33,10 +33,7 @@ impl<'a> Live<'a> {
         skip_hidden: bool,
     ) -> Self {
         let pass = &plan.passes[index];
-        let region = match &pass.region {
-            Region::Cells(mask) => Some(mask),
-            _ => None,
-        };
+        let region = Some(&pass.region).filter(|r| **r != Region::All);
         let hidden = match (&plan.resolve, pass.map) {
             (Resolve::Feather(feather), Map::Affine(map)) if skip_hidden => {
                 Hidden::new(plan, feather, index, optics, map)
@@ -48,8 +45,19 @@ impl<'a> Live<'a> {
 
     /// Takes dead samples out of the lanes of each block that are `valid`.
     pub(crate) fn clear_dead(&self, tile: &SampleTile, valid: &mut [LaneSet]) {
-        if let Some(mask) = self.region {
-            each_block(tile, valid, |_, sample| mask.is_live(sample));
+        if let Some(region) = self.region {
+            for y in 0..tile.size.y {
+                let live = live_in_row(region, tile, y);
+                let first = (y / BLOCK[1] * BLOCKS_ACROSS) as usize;
+                for (k, lanes) in valid[first..first + BLOCKS_ACROSS as usize]
+                    .iter_mut()
+                    .enumerate()
+                {
+                    let four = (live >> (BLOCK[0] as usize * k)) as LaneSet & 0xf;
+                    let shift = y % BLOCK[1] * BLOCK[0];
+                    *lanes &= !(0xf << shift) | four << shift;
+                }
+            }
         }
         if let Some(hidden) = &self.hidden
             && hidden.touches(tile)
@@ -65,26 +73,30 @@ impl<'a> Live<'a> {
         }
         let drawn: u64 = valid.iter().map(|v| u64::from(v.count_ones())).sum();
         let all = u64::from(tile.size.x) * u64::from(tile.size.y);
-        let dead = self.region.map_or(0, |mask| {
-            let samples =
-                (0..tile.size.y).flat_map(|y| (0..tile.size.x).map(move |x| UVec2::new(x, y)));
-            samples.filter(|s| !mask.is_live(tile.origin + *s)).count() as u64
+        let dead = self.region.map_or(0, |region| {
+            let live = (0..tile.size.y).map(|y| live_in_row(region, tile, y).count_ones());
+            all - live.map(u64::from).sum::<u64>()
         });
         work.samples_dead += dead;
         work.samples_hidden += all - drawn - dead;
     }
 }
 
-/// Keeps of the `valid` lanes those for which `keep` holds of block and sample.
-fn each_block(tile: &SampleTile, valid: &mut [LaneSet], keep: impl Fn(usize, UVec2) -> bool) {
-    for (block, lanes) in valid.iter_mut().enumerate() {
-        for lane in 0..LANES {
-            let [x, y] = position_of(block * LANES + lane);
-            if *lanes >> lane & 1 != 0 && !keep(block, tile.origin + UVec2::new(x, y)) {
-                *lanes &= !(1 << lane);
-            }
-        }
+/// The live samples of a row of a tile, one bit for each.
+fn live_in_row(region: &Region, tile: &SampleTile, y: u32) -> u64 {
+    let below = |x: u32| u64::MAX.checked_shr(TILE - x.min(TILE)).unwrap_or(0);
+    if let Region::Spans(spans) = region {
+        let live = spans.row(tile.origin.y + y);
+        let [start, end] = [live.start, live.end].map(|x| {
+            let x = x.saturating_sub(tile.origin.x);
+            below(x.min(tile.size.x))
+        });
+        return end & !start;
     }
+    let is_live = |x: u32| region.is_live(tile.origin + UVec2::new(x, y));
+    (0..tile.size.x)
+        .map(|x| u64::from(is_live(x)) << x)
+        .fold(0, |live, bit| live | bit)
 }
 
 impl<'a> Hidden<'a> {

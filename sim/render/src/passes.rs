@@ -1,8 +1,9 @@
 use foveasim_assets::Scene;
-use foveasim_models::{SamplePlan, View, Work};
+use foveasim_models::{SamplePlan, Shading, View, Visibility, Work};
 
 use crate::RenderOptions;
-use crate::pass::{PassSamples, draw};
+use crate::pass::{PassSamples, draw, find_shared};
+use crate::shared::SharedVisibility;
 use crate::visible::PassObjects;
 
 /// What was drawn of a plan.
@@ -25,15 +26,23 @@ pub(crate) fn draw_passes(
     keep_geometry: bool,
     mut spare: Vec<[f32; 3]>,
 ) -> Drawn {
-    let objects: Vec<_> = due
-        .iter()
-        .enumerate()
-        .map(|(k, due)| due.then(|| PassObjects::of(scene, view, plan, k, options)))
-        .collect();
+    let mut objects: Vec<Option<PassObjects>> = Vec::with_capacity(due.len());
+    for (k, due) in due.iter().enumerate() {
+        let of_pass = due.then(|| match plan.passes[k].visibility {
+            // Checked: an earlier pass, in the same frames.
+            Visibility::Shared(other) => {
+                let found = objects[other].as_ref();
+                found.map(|found| found.seen_by(plan, k))
+            }
+            _ => Some(PassObjects::of(scene, view, plan, k, options)),
+        });
+        objects.push(of_pass.flatten());
+    }
     let shared = options
         .skip
         .repeated_vertices
         .then(|| PassObjects::shared(objects.iter().flatten(), scene, view, options));
+    let mut found: Vec<Option<SharedVisibility>> = (0..due.len()).map(|_| None).collect();
     let passes = objects.iter().enumerate().map(|(k, objects)| {
         let objects = objects.as_ref()?;
         let own;
@@ -44,17 +53,28 @@ pub(crate) fn draw_passes(
                 &own
             }
         };
-        let (samples, mut work) = draw(
-            scene,
-            view,
-            plan,
-            k,
-            geometry,
-            objects,
-            options,
-            keep_geometry,
-            std::mem::take(&mut spare),
-        );
+        let (samples, mut work) = if plan.passes[k].shading == Shading::Nowhere {
+            let (visibility, work) = find_shared(scene, view, plan, k, geometry, objects, options);
+            found[k] = Some(visibility);
+            (PassSamples::NONE, work)
+        } else {
+            let shared = match plan.passes[k].visibility {
+                Visibility::Shared(other) => found[other].as_ref(),
+                _ => None,
+            };
+            draw(
+                scene,
+                view,
+                plan,
+                k,
+                geometry,
+                objects,
+                options,
+                keep_geometry,
+                shared,
+                std::mem::take(&mut spare),
+            )
+        };
         if shared.is_none() {
             work += geometry.work;
         }

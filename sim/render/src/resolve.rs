@@ -3,6 +3,7 @@ use foveasim_models::{Affine, Feather, Image, Lattice, Map, Resolve, SamplePlan,
 use glam::{DVec2, UVec2};
 use rayon::prelude::*;
 
+use crate::inverse::invert;
 use crate::kernels::lanes::{self, F, max, saturate, splat};
 use crate::kernels::{Kernel, dispatch};
 use crate::mosaic::mosaic;
@@ -26,6 +27,16 @@ pub(crate) fn resolve(
         }
         Resolve::Mosaic => {
             let (image, work) = mosaic(plan, &passes);
+            if !options.keep_passes {
+                passes.clear();
+            }
+            (image, passes, work)
+        }
+        Resolve::Inverse(filter) => {
+            let Some(last) = passes.last() else {
+                unreachable!("a plan without passes does not pass the checks")
+            };
+            let (image, work) = invert(plan, filter, last, options.simd);
             if !options.keep_passes {
                 passes.clear();
             }

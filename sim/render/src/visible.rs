@@ -1,10 +1,14 @@
-use foveasim_assets::{Detail, Scene};
-use foveasim_models::{Resolve, SamplePlan, View, Work};
+use foveasim_assets::{Detail, LodRule, Scene};
+use foveasim_models::{Resolve, SamplePlan, View, Viewport, Work};
+use glam::DVec2;
+
+use foveasim_models::math::sqrt;
 
 use crate::RenderOptions;
 use crate::pass::projection;
+use crate::placement::Placement;
 use crate::project::Optics;
-use crate::raster::{ViewGeometry, bounds};
+use crate::raster::{Bounds, ViewGeometry, bounds};
 
 /// The instances that may be visible in a pass, each with the mesh drawn for it: nearest first, so that
 /// what hides comes before what is hidden.
@@ -14,6 +18,8 @@ pub(crate) struct PassObjects {
     pub(crate) named: Vec<(u32, u32)>,
     /// Triangles that were left out.
     pub(crate) work: Work,
+    /// Where the samples of the pass lie, if not evenly.
+    pub(crate) placement: Option<Placement>,
 }
 
 impl PassObjects {
@@ -25,6 +31,7 @@ impl PassObjects {
         options: &RenderOptions,
     ) -> Self {
         let eye_from_world = view.poses[0].inverse();
+        let placement = Placement::of(plan, pass);
         let projection = projection(view, &plan.passes[pass], options);
         let detail = Detail {
             rule: options.lod,
@@ -37,6 +44,16 @@ impl PassObjects {
         let mut found = Vec::new();
         let mut work = Work::default();
         for index in 0..scene.instances().len() {
+            let mut detail = detail;
+            if let Some(placement) = &placement {
+                let finest = Detail {
+                    rule: LodRule::Finest,
+                    ..detail
+                };
+                let finest = scene.mesh_for(index, view.poses[0].position, finest);
+                let at = bounds(scene, index, finest, eye_from_world);
+                detail.sample_tan *= least_step(&view.optics, placement, &at);
+            }
             let mesh = scene.mesh_for(index, view.poses[0].position, detail);
             let at = bounds(scene, index, mesh, eye_from_world);
             if options.skip.outside && projection.misses_sphere(at.centre, at.radius) {
@@ -50,7 +67,20 @@ impl PassObjects {
         // Stable: of equal distances, the first in the scene.
         found.sort_by(|a, b| a.0.total_cmp(&b.0));
         let named = found.into_iter().map(|(_, name)| name).collect();
-        Self { named, work }
+        Self {
+            named,
+            work,
+            placement,
+        }
+    }
+
+    /// What a pass sees that shares the visibility of another one, whose objects are `self`.
+    pub(crate) fn seen_by(&self, plan: &SamplePlan, pass: usize) -> Self {
+        Self {
+            named: self.named.clone(),
+            work: Work::default(),
+            placement: Placement::of(plan, pass),
+        }
     }
 
     /// The geometry of this pass alone.
@@ -90,6 +120,22 @@ impl PassObjects {
             .filter_map(|wanted| find(wanted).map(|place| order[place]))
             .collect()
     }
+}
+
+/// The least step between samples \[px\] where anything within these bounds may be seen: a point of
+/// them at offset d from the centre c has tangents that differ by |d_x·c_w − c_x·d_w| / (c_w·(c_w + d_w)),
+/// at most r·√(1 + t²)/(c_w − r) for tangent t of the centre.
+fn least_step(optics: &Viewport, placement: &Placement, at: &Bounds) -> f64 {
+    let room = at.centre.z - at.radius;
+    if room <= 0.0 {
+        return 1.0;
+    }
+    let step = optics.pixel_tan();
+    let tangent = at.centre.truncate() / at.centre.z;
+    let px = optics.axis_px() + DVec2::new(tangent.x / step.x, -tangent.y / step.y);
+    let reach = |t: f64, step: f64| at.radius / room * sqrt(1.0 + t * t) / step;
+    let (across, down) = (reach(tangent.x, step.x), reach(tangent.y, step.y));
+    placement.least_step(px, sqrt(across * across + down * down))
 }
 
 fn geometry(

@@ -40,20 +40,30 @@ impl LogPolar {
     ///
     /// # Errors
     /// If the gaze is not within ±1e9 pixels, α not from 0.01 to 100, or a number of samples not above
-    /// 0 and at most 1e6.
+    /// 0 and at most 1e12.
     pub fn new(
         gaze_px: DVec2,
         display_px: UVec2,
         alpha: f64,
         samples: DVec2,
     ) -> Result<Self, ModelError> {
+        Self::over(gaze_px, display_px.as_dvec2(), alpha, samples)
+    }
+
+    /// The same for a display of any size.
+    pub(crate) fn over(
+        gaze_px: DVec2,
+        display_px: DVec2,
+        alpha: f64,
+        samples: DVec2,
+    ) -> Result<Self, ModelError> {
         in_range("gaze x [px]", gaze_px.x, -1e9..=1e9)?;
         in_range("gaze y [px]", gaze_px.y, -1e9..=1e9)?;
         in_range("alpha", alpha, 0.01..=100.0)?;
-        above("samples outwards", samples.x, 0.0, 1e6)?;
-        above("samples around", samples.y, 0.0, 1e6)?;
+        above("samples outwards", samples.x, 0.0, 1e12)?;
+        above("samples around", samples.y, 0.0, 1e12)?;
         // The farther side along each axis makes the farthest corner.
-        let farthest = gaze_px.abs().max((display_px.as_dvec2() - gaze_px).abs());
+        let farthest = gaze_px.abs().max((display_px - gaze_px).abs());
         let reach = hypot(farthest.x, farthest.y);
         Ok(Self {
             gaze_px,

@@ -5,6 +5,7 @@ mod lattice;
 mod lens_matched;
 mod log_polar;
 mod map;
+mod on_display;
 mod pass;
 mod region;
 mod resolve;

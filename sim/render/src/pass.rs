@@ -22,7 +22,7 @@ use crate::raster::{
 };
 use crate::shared::{LookUp, SharedVisibility};
 use crate::tile::{LANES, SampleTile, TILE, TILE_SAMPLES, TileBuffers, position_of, sampled};
-use crate::visible::PassObjects;
+use crate::visible::{PassObjects, geometry};
 use crate::{RenderError, RenderOptions};
 
 /// What one sample sees.
@@ -71,7 +71,7 @@ pub fn visibility_at(
         return Ok(Vec::new());
     }
     let objects = PassObjects::of(scene, view, plan, pass, options);
-    let geometry = objects.geometry(scene, view, options);
+    let geometry = geometry(scene, view, &objects.named, options);
     let drawing = Drawing::new(scene, view, plan, pass, &geometry, &objects, options, None);
     let mut surfels = vec![None; size.x as usize * size.y as usize];
     let mut scratch = Scratch::new(&drawing);
@@ -215,7 +215,10 @@ pub(crate) fn draw(
         .map_init(
             || Scratch::new(&drawing),
             |scratch, ((x, y), mut rows, mut geometry)| {
-                let tile = SampleTile::of(pass, x, y);
+                let tile = SampleTile {
+                    map: drawing.map,
+                    ..SampleTile::of(pass, x, y)
+                };
                 let work = drawing.draw_tile(&context, &tile, &mut rows, scratch);
                 drawing.copy_geometry(scratch, &mut geometry);
                 work
@@ -267,6 +270,8 @@ struct Drawing<'a> {
     /// Where samples are, if they do not lie evenly.
     placement: Option<&'a Placement>,
     grid: UVec2,
+    /// From what shading is told of samples' positions to the display.
+    map: Map,
     /// For each material, what it reads of a triangle.
     needs: Vec<Needs>,
     /// Whether anything may read a triangle's details.
@@ -347,7 +352,11 @@ impl<'a> Drawing<'a> {
         shared: Option<&'a SharedVisibility>,
     ) -> Self {
         let pass = &plan.passes[index];
-        let projection = projection(view, pass, options);
+        let finder = match pass.visibility {
+            Visibility::Shared(other) => &plan.passes[other],
+            _ => pass,
+        };
+        let projection = projection(view, finder, options);
         let msaa = msaa(plan, index);
         let (source, work) = match shared {
             Some(shared) => (Source::Shared(shared), Work::default()),
@@ -381,6 +390,8 @@ impl<'a> Drawing<'a> {
             source,
             placement: objects.placement.as_ref(),
             grid: grid(pass),
+            // Samples of another pass are where that one took them.
+            map: sampled(finder),
             needs,
             work,
         }

@@ -3,8 +3,9 @@ use foveasim_models::{SamplePlan, Shading, View, Visibility, Work};
 
 use crate::RenderOptions;
 use crate::pass::{PassSamples, draw, find_shared};
+use crate::raster::ViewGeometry;
 use crate::shared::SharedVisibility;
-use crate::visible::PassObjects;
+use crate::visible::{PassObjects, geometry};
 
 /// What was drawn of a plan.
 #[derive(Debug)]
@@ -24,8 +25,30 @@ pub(crate) fn draw_passes(
     due: &[bool],
     options: &RenderOptions,
     keep_geometry: bool,
-    mut spare: Vec<[f32; 3]>,
+    spare: Vec<[f32; 3]>,
 ) -> Drawn {
+    let objects = objects_of(plan, due, |k| {
+        PassObjects::of(scene, view, plan, k, options)
+    });
+    let geometry = |named: &[(u32, u32)]| geometry(scene, view, named, options);
+    draw_objects(
+        scene,
+        view,
+        plan,
+        &objects,
+        &geometry,
+        options,
+        keep_geometry,
+        spare,
+    )
+}
+
+/// The objects of each pass that is due; `find` finds those of a pass that finds its own visibility.
+pub(crate) fn objects_of(
+    plan: &SamplePlan,
+    due: &[bool],
+    mut find: impl FnMut(usize) -> PassObjects,
+) -> Vec<Option<PassObjects>> {
     let mut objects: Vec<Option<PassObjects>> = Vec::with_capacity(due.len());
     for (k, due) in due.iter().enumerate() {
         let of_pass = due.then(|| match plan.passes[k].visibility {
@@ -34,22 +57,37 @@ pub(crate) fn draw_passes(
                 let found = objects[other].as_ref();
                 found.map(|found| found.seen_by(plan, k))
             }
-            _ => Some(PassObjects::of(scene, view, plan, k, options)),
+            _ => Some(find(k)),
         });
         objects.push(of_pass.flatten());
     }
+    objects
+}
+
+/// Draws the passes of a plan that have objects. `geometry` transforms the vertices of instances and
+/// meshes: of all at once, unless each pass is to repeat that.
+pub(crate) fn draw_objects(
+    scene: &Scene,
+    view: &View,
+    plan: &SamplePlan,
+    objects: &[Option<PassObjects>],
+    geometry: &dyn Fn(&[(u32, u32)]) -> ViewGeometry,
+    options: &RenderOptions,
+    keep_geometry: bool,
+    mut spare: Vec<[f32; 3]>,
+) -> Drawn {
     let shared = options
         .skip
         .repeated_vertices
-        .then(|| PassObjects::shared(objects.iter().flatten(), scene, view, options));
-    let mut found: Vec<Option<SharedVisibility>> = (0..due.len()).map(|_| None).collect();
+        .then(|| geometry(&PassObjects::all(objects.iter().flatten())));
+    let mut found: Vec<Option<SharedVisibility>> = objects.iter().map(|_| None).collect();
     let passes = objects.iter().enumerate().map(|(k, objects)| {
         let objects = objects.as_ref()?;
         let own;
         let geometry = match &shared {
             Some(geometry) => geometry,
             None => {
-                own = objects.geometry(scene, view, options);
+                own = geometry(&objects.named);
                 &own
             }
         };
@@ -58,7 +96,7 @@ pub(crate) fn draw_passes(
             found[k] = Some(visibility);
             (PassSamples::NONE, work)
         } else {
-            let shared = match plan.passes[k].visibility {
+            let seen = match plan.passes[k].visibility {
                 Visibility::Shared(other) => found[other].as_ref(),
                 _ => None,
             };
@@ -71,7 +109,7 @@ pub(crate) fn draw_passes(
                 objects,
                 options,
                 keep_geometry,
-                shared,
+                seen,
                 std::mem::take(&mut spare),
             )
         };

@@ -78,13 +78,13 @@ impl Placement {
         Some(Self {
             grid,
             display: plan.display_px,
-            positions: msaa.positions() as usize,
+            positions: if shares { 1 } else { msaa.positions() as usize },
             kind,
             centred,
         })
     }
 
-    /// Positions of visibility per sample.
+    /// Positions per sample at which it asks for visibility; one, where another pass finds it.
     pub(crate) fn positions(&self) -> usize {
         self.positions
     }

@@ -11,7 +11,7 @@ use crate::placed::PlacedTile;
 use crate::project::{GUARD_SAMPLES, Projection, SUBSAMPLES};
 use crate::raster::{SetUp, SetUpTriangle, ViewGeometry, set_up};
 use crate::tile::{LANES, LaneSet, SampleTile, TILE, TILE_SAMPLES, position_of};
-use crate::visible::PassObjects;
+use crate::visible::{PassObjects, geometry};
 use crate::{RenderError, RenderOptions, Skip, Surfel};
 
 /// As [`visibility_at`](crate::visibility_at), by casting a ray for each sample: no tiles, no lanes,
@@ -47,7 +47,7 @@ pub fn trace(
         ..*options
     };
     let objects = PassObjects::of(scene, view, plan, pass, &options);
-    let geometry = objects.geometry(scene, view, &options);
+    let geometry = geometry(scene, view, &objects.named, &options);
     let projection = projection(view, &plan.passes[pass], &options);
     let Visibility::Own(msaa) = plan.passes[pass].visibility else {
         unreachable!("only visibility of its own passes the checks")

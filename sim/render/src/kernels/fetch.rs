@@ -2,7 +2,7 @@ use fearless_simd::f32x4;
 use fearless_simd::prelude::*;
 
 use super::Kernel;
-use super::lanes::Simd;
+use super::wide::{F, I, Simd, WIDTH, max, min, piece, splat};
 use crate::texels::{Sum, Texels};
 
 /// Reads the colours of a display row from places of a lattice.
@@ -10,18 +10,17 @@ pub(crate) struct FetchRow<'a> {
     pub(crate) texels: &'a Texels,
     /// The sample whose cell holds the place, instead of what stands between four.
     pub(crate) nearest: bool,
-    /// Places of at least the row's pixels, in lattice steps.
+    /// Places of the row's pixels, and of as many as fill the last lanes, in lattice steps.
     pub(crate) xs: &'a [f32],
     pub(crate) ys: &'a [f32],
     pub(crate) row: &'a mut [[f32; 3]],
 }
 
-/// The two samples beside a place along one axis, and the share of the second.
-#[derive(Clone, Copy)]
-struct Beside {
-    low: u32,
-    high: u32,
-    share: f32,
+/// The two samples beside each place along one axis, and the share of the second.
+struct Beside<S: Simd> {
+    low: I<S>,
+    high: I<S>,
+    share: F<S>,
 }
 
 impl Kernel for FetchRow<'_> {
@@ -31,82 +30,114 @@ impl Kernel for FetchRow<'_> {
     #[inline(always)]
     fn run<S: Simd>(self, simd: S) -> u64 {
         let texels = self.texels;
-        let (columns, rows) = (texels.size.x, texels.size.y);
-        let mut fetches = 0;
-        for ((out, x), y) in self.row.iter_mut().zip(self.xs).zip(self.ys) {
-            // The casts saturate, and make 0 of NaN.
-            let own = [(*x as u32).min(columns - 1), (*y as u32).min(rows - 1)];
-            if self.nearest {
-                let [r, g, b, _] = texels.live_near(own[0], own[1]);
+        let [columns, rows] = texels.size.to_array();
+        let pixels = self.row.len() as u64;
+        if self.nearest {
+            for ((out, x), y) in self.row.iter_mut().zip(self.xs).zip(self.ys) {
+                let [r, g, b, _] = owner(texels, *x, *y);
                 *out = [r, g, b];
-                fetches += 1;
-                continue;
             }
-            let across = clamped(*x, columns);
-            let down = if texels.wraps {
-                wrapped(*y, rows)
-            } else {
-                clamped(*y, rows)
-            };
-            fetches += 4;
-            let corners = [
-                texels.at(across.low, down.low),
-                texels.at(across.high, down.low),
-                texels.at(across.low, down.high),
-                texels.at(across.high, down.high),
-            ];
-            let [a, b, c, d] = corners;
-            if a[3] + b[3] + c[3] + d[3] == 4.0 {
-                let load = |v: &[f32; 4]| f32x4::from_slice(simd, v);
-                let (a, b, c, d) = (load(&a), load(&b), load(&c), load(&d));
-                let upper = a + (b - a) * across.share;
-                let lower = c + (d - c) * across.share;
-                let [r, g, b, _] = (upper + (lower - upper) * down.share).to_array();
-                *out = [r, g, b];
-                continue;
-            }
-            let (fx, fy) = (across.share, down.share);
-            let weights = [
-                (1.0 - fx) * (1.0 - fy),
-                fx * (1.0 - fy),
-                (1.0 - fx) * fy,
-                fx * fy,
-            ];
-            let mut sum = Sum::around(texels.live_near(own[0], own[1]));
-            for (texel, weight) in corners.into_iter().zip(weights) {
-                sum.add(texel, weight);
-            }
-            *out = sum.mean();
+            return pixels;
         }
-        fetches
+        let places = self.xs.chunks_exact(WIDTH).zip(self.ys.chunks_exact(WIDTH));
+        for (out, (xs, ys)) in self.row.chunks_mut(WIDTH).zip(places) {
+            let (x, y) = (F::from_slice(simd, xs), F::from_slice(simd, ys));
+            let across = piece(
+                simd,
+                #[inline(always)]
+                || clamped(simd, x, columns),
+            );
+            let down = piece(
+                simd,
+                #[inline(always)]
+                || {
+                    if texels.wraps {
+                        wrapped(simd, y, rows)
+                    } else {
+                        clamped(simd, y, rows)
+                    }
+                },
+            );
+            let (upper, lower) = (down.low * columns as i32, down.high * columns as i32);
+            let corners = [
+                (upper + across.low).to_array(),
+                (upper + across.high).to_array(),
+                (lower + across.low).to_array(),
+                (lower + across.high).to_array(),
+            ];
+            let (fx, fy) = (across.share.to_array(), down.share.to_array());
+            for (k, out) in out.iter_mut().enumerate() {
+                let load = |i: usize| &texels.rgba[corners[i][k] as usize];
+                let [a, b, c, d] = [load(0), load(1), load(2), load(3)];
+                let lanes = |v: &[f32; 4]| f32x4::from_slice(simd, v);
+                let (va, vc) = (lanes(a), lanes(c));
+                let upper = va + (lanes(b) - va) * fx[k];
+                let lower = vc + (lanes(d) - vc) * fx[k];
+                let [r, g, b_, live] = (upper + (lower - upper) * fy[k]).to_array();
+                // What is not live counts, if at all, by less than rounding.
+                *out = if live == 1.0 {
+                    [r, g, b_]
+                } else {
+                    let own = owner(texels, xs[k], ys[k]);
+                    partly([*a, *b, *c, *d], own, [fx[k], fy[k]])
+                };
+            }
+        }
+        4 * pixels
     }
+}
+
+/// The sample whose cell holds a place.
+#[inline(always)]
+fn owner(texels: &Texels, x: f32, y: f32) -> [f32; 4] {
+    // The casts saturate, and make 0 of NaN.
+    let x = (x as u32).min(texels.size.x - 1);
+    let y = (y as u32).min(texels.size.y - 1);
+    texels.live_near(x, y)
+}
+
+/// Between four samples of which some are not live.
+#[cold]
+fn partly(corners: [[f32; 4]; 4], own: [f32; 4], [fx, fy]: [f32; 2]) -> [f32; 3] {
+    let (gx, gy) = (1.0 - fx, 1.0 - fy);
+    let mut sum = Sum::around(own);
+    for (texel, weight) in corners
+        .into_iter()
+        .zip([gx * gy, fx * gy, gx * fy, fx * fy])
+    {
+        sum.add(texel, weight);
+    }
+    sum.mean()
 }
 
 /// Samples lie in the middles of their cells; beyond the first and the last there is nothing.
 #[inline(always)]
-fn clamped(at: f32, count: u32) -> Beside {
-    let p = at - 0.5;
-    let p = if p > 0.0 { p } else { 0.0 };
-    let low = (p as u32).min(count - 1);
-    let share = p - low as f32;
+fn clamped<S: Simd>(simd: S, at: F<S>, count: u32) -> Beside<S> {
+    let last = (count - 1) as f32;
+    let p = min(max(at - 0.5, splat(simd, 0.0)), splat(simd, last));
+    let whole = p.floor();
+    let low: I<S> = whole.to_int();
     Beside {
         low,
-        high: (low + 1).min(count - 1),
-        share: if share < 1.0 { share } else { 1.0 },
+        high: (low + 1).min(I::splat(simd, count as i32 - 1)),
+        share: p - whole,
     }
 }
 
 /// As [`clamped`], where the last borders on the first.
 #[inline(always)]
-fn wrapped(at: f32, count: u32) -> Beside {
-    // From ½ on, so that truncation rounds down.
-    let p = at + 0.5;
-    let next = p as u32;
-    let share = p - next as f32;
-    let below = |k: u32| if k >= count { k - count } else { k };
+fn wrapped<S: Simd>(simd: S, at: F<S>, count: u32) -> Beside<S> {
+    let count = count as i32;
+    let p = min(
+        max(at + 0.5, splat(simd, 0.5)),
+        splat(simd, count as f32 + 0.5),
+    );
+    let whole = p.floor();
+    let next: I<S> = whole.to_int();
+    let (zero, all) = (I::splat(simd, 0), I::splat(simd, count));
     Beside {
-        low: below(next.min(count) + count - 1),
-        high: below(next.min(count)),
-        share,
+        low: next.simd_eq(0).select(all, next) - 1,
+        high: next.simd_ge(count).select(zero, next),
+        share: p - whole,
     }
 }

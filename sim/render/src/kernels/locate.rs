@@ -107,7 +107,7 @@ mod tests {
                 let (mut scalar_xs, mut scalar_ys) = (xs.clone(), ys.clone());
                 let mut worst = 0.0f64;
                 for y in (0..1440).step_by(7).chain(700..730) {
-                    let mut locate = |simd, xs: &mut [f32], ys: &mut [f32]| {
+                    let locate = |simd, xs: &mut [f32], ys: &mut [f32]| {
                         let kernel = LocateRow {
                             inverse: &inverse,
                             y,

@@ -100,7 +100,7 @@ pub(super) fn turns<S: Simd>(x: F<S>, y: F<S>) -> F<S> {
 mod tests {
     use super::*;
     use crate::kernels::wide::WIDTH;
-    use crate::kernels::{Kernel, dispatch, lanes};
+    use crate::kernels::{Kernel, dispatch};
 
     /// Values of the three functions at lanes of (x, y), by way of x alone for the first two.
     struct All([f32; WIDTH], [f32; WIDTH]);
@@ -109,7 +109,7 @@ mod tests {
         type Output = [[f32; WIDTH]; 3];
 
         #[inline(always)]
-        fn run<S: lanes::Simd>(self, simd: S) -> Self::Output {
+        fn run<S: Simd>(self, simd: S) -> Self::Output {
             let (x, y) = (F::from_slice(simd, &self.0), F::from_slice(simd, &self.1));
             [
                 log2(x.abs()).to_array(),

@@ -84,18 +84,37 @@ pub fn render_into(
         passes.push(samples.image);
         pass_work.push(work);
     }
+    Ok(put_together(
+        view,
+        plan,
+        passes,
+        pass_work,
+        drawn.shared,
+        options,
+    ))
+}
+
+/// The frame of passes that were drawn, each with its work; `shared` is work that they share.
+pub(crate) fn put_together(
+    view: &View,
+    plan: &SamplePlan,
+    passes: Vec<Image>,
+    pass_work: Vec<Work>,
+    shared: Work,
+    options: &RenderOptions,
+) -> Frame {
     let (image, passes, resolve_work) = resolve::resolve(view, plan, passes, options);
     let mut work = resolve_work;
-    work += drawn.shared;
+    work += shared;
     for w in &pass_work {
         work += *w;
     }
-    Ok(Frame {
+    Frame {
         image,
         work,
         pass_work,
         passes,
-    })
+    }
 }
 
 /// Refuses what cannot be drawn.

@@ -44,6 +44,9 @@ pub struct Skip {
     pub hidden: bool,
     /// Transforming vertices for each pass anew. The picture is the same, bit for bit.
     pub repeated_vertices: bool,
+    /// Choosing objects and transforming vertices for each of two eyes anew
+    /// (see [`render_stereo`](crate::render_stereo)). The pictures are the same, bit for bit.
+    pub repeated_for_eyes: bool,
 }
 
 impl Skip {
@@ -54,6 +57,7 @@ impl Skip {
         occluded: true,
         hidden: true,
         repeated_vertices: true,
+        repeated_for_eyes: true,
     };
     /// Nothing.
     pub const NONE: Self = Self {
@@ -62,15 +66,17 @@ impl Skip {
         occluded: false,
         hidden: false,
         repeated_vertices: false,
+        repeated_for_eyes: false,
     };
 
     /// The parts' names, as users write them.
-    pub const NAMES: [&str; 5] = [
+    pub const NAMES: [&str; 6] = [
         "back-faces",
         "outside",
         "occluded",
         "hidden",
         "repeated-vertices",
+        "repeated-for-eyes",
     ];
 
     fn part(&mut self, name: &str) -> Option<&mut bool> {
@@ -80,6 +86,7 @@ impl Skip {
             "occluded" => &mut self.occluded,
             "hidden" => &mut self.hidden,
             "repeated-vertices" => &mut self.repeated_vertices,
+            "repeated-for-eyes" => &mut self.repeated_for_eyes,
             _ => return None,
         })
     }
@@ -108,8 +115,8 @@ impl FromStr for Skip {
 
 /// What a list of parts to skip is made of.
 const VALID: [&str; Skip::NAMES.len() + 2] = {
-    let [a, b, c, d, e] = Skip::NAMES;
-    ["all", "none", a, b, c, d, e]
+    let [a, b, c, d, e, f] = Skip::NAMES;
+    ["all", "none", a, b, c, d, e, f]
 };
 
 impl Default for Skip {

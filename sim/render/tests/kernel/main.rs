@@ -2,6 +2,7 @@
 
 #[path = "../common/mod.rs"]
 mod common;
+mod eyes;
 mod images;
 mod seen;
 

@@ -138,6 +138,35 @@ impl LogPolar {
         ]
     }
 
+    /// The distance \[px\] from which on samples are sparser than pixels: where
+    /// ρ(r) = n_x·n_y/(2π·α·L·r²)·(ln r/L)^(1/α − 1) falls to 1 for the last time; 0 if it is less
+    /// everywhere, and the farthest corner's if it is not.
+    pub fn dense_within(&self) -> f64 {
+        let kernel = 1.0 / self.alpha - 1.0;
+        let all = self.samples.element_product() / (TAU * self.alpha * self.log_reach);
+        // ln ρ over l = ln r, which falls from its peak on.
+        let log_density = |l: f64| log(all) + kernel * log(l / self.log_reach) - 2.0 * l;
+        let (mut near, mut far) = ((kernel / 2.0).max(0.0), self.log_reach);
+        if log_density(far) >= 0.0 {
+            return exp(far);
+        }
+        if near > 0.0 && (near >= far || log_density(near) < 0.0) {
+            return 0.0;
+        }
+        while near < far {
+            let middle = (near + far) / 2.0;
+            if middle <= near || middle >= far {
+                break;
+            }
+            if log_density(middle) >= 0.0 {
+                near = middle;
+            } else {
+                far = middle;
+            }
+        }
+        exp(near)
+    }
+
     /// Display pixels per lattice step (see [`Map::steps`](super::Map::steps)).
     pub fn steps(&self, p: DVec2) -> DMat2 {
         let [outwards, around] = self.step_lengths(p.x);

@@ -138,6 +138,17 @@ impl LogPolar {
         ]
     }
 
+    /// Lengths outwards and around \[px\] of a sample's cell about lattice x: r(x + ½) − r(x − ½), and
+    /// 2πr/n_y. Unlike a step's they are finite everywhere: within half a step of the gaze it is the first
+    /// sample's cell.
+    pub fn cell_lengths(&self, x: f64) -> [f64; 2] {
+        let middle = x.max(0.5);
+        [
+            self.radius(middle + 0.5) - self.radius(middle - 0.5),
+            TAU * self.radius(x) / self.samples.y,
+        ]
+    }
+
     /// The distance \[px\] from which on samples are sparser than pixels: where
     /// ρ(r) = n_x·n_y/(2π·α·L·r²)·(ln r/L)^(1/α − 1) falls to 1 for the last time; 0 if it is less
     /// everywhere, and the farthest corner's if it is not.
@@ -153,16 +164,15 @@ impl LogPolar {
         if near > 0.0 && (near >= far || log_density(near) < 0.0) {
             return 0.0;
         }
-        while near < far {
-            let middle = (near + far) / 2.0;
-            if middle <= near || middle >= far {
-                break;
-            }
+        // Bisection until the two are neighbouring numbers.
+        let mut middle = (near + far) / 2.0;
+        while middle > near && middle < far {
             if log_density(middle) >= 0.0 {
                 near = middle;
             } else {
                 far = middle;
             }
+            middle = (near + far) / 2.0;
         }
         exp(near)
     }

@@ -25,6 +25,7 @@ use super::{Context, Failure, options};
   foveasim plan --fov 90 --pixels 3840x2160 --gaze 0,1080 --gaze-mode fixed
   foveasim plan --display quest-pro --method full,layers:3,vrs,fdm,rates,quad,quad:auto
   foveasim plan --display quest-pro --method vrs,vrs:fixed,vrs:fixed=25
+  foveasim plan --display quest-pro --method kfr:2:4,kfr:2:1,kfr:2:0.25,efr:2:3,lms:1:1
 
 Methods, settings in brackets:
   full
@@ -34,16 +35,23 @@ Methods, settings in brackets:
   fdm       fragment density map: visibility is coarse as well [tile=8|16|32; max=1|2|4]
   rates     a rate for each band of columns and of rows [bands=N, 1 to 256]
   quad      a sharp rectangle on a coarser whole [focus=SHARE or auto; peripheral=SCALE]
+  kfr:SIGMA:ALPHA        kernel foveated rendering: W/SIGMA x H/SIGMA samples on a log-polar map with
+            kernel exponent ALPHA (the paper: 4) [published: visibility at full resolution, else direct;
+            filter=nearest; smooth; mips], as in kfr:2:4:published
+  efr:SIGMA_D:SIGMA_ND   the same, coarser for the eye that is not dominant [dominant=left|right;
+            alpha=ALPHA; those of kfr], as in efr:2:3:dominant=left
+  lms:A:B   lens-matched shading: four quadrants with w' = w + A|x| + B|y|, as in lms:0.5:0.5
 All but full may be fixed or fixed=DEG: straight ahead whatever the gaze, and as sharp as the eye
 wherever that looks within so many degrees (15). layers:N without strict and quad without auto do not
-promise to meet the acuity line everywhere.
+promise to meet the acuity line everywhere. kfr, efr and lms put their samples where their settings
+say: `foveasim plan kernel` finds the ones that meet it.
 
 Columns: method_samples is the closed form and may be a fraction; plan_samples is the whole number
 that is drawn. sample_ratio counts every layer, sample_ratio_staggered those drawn in every second
 frame half. shading_ratio counts evaluations of shading, which vrs has fewer of than samples.
 ideal_ratio is a density that falls off continuously: no method with the same acuity and margin
 saves more. tracked_over_fixed: how many times more samples the method shades if fixed (fixed=15
-unless it says) than if tracked, of the same quality. extrapolated: the screen reaches farther from
+unless it says) than if tracked, of the same quality; empty for kfr, efr and lms. extrapolated: the screen reaches farther from
 the gaze than slopes were measured.
 Where a display has two eyes, samples are those of both, pixels and layers those of one.")]
 pub(crate) struct Args {

@@ -23,7 +23,7 @@ use crate::{Interpolation, ModelError, unknown_name};
 /// within 63 pixels, where they are denser than the display's. Its co-author's program has the inverse
 /// exponent, which is α = ¼ here.
 ///
-/// σ and α say where samples lie, whatever the acuity line and the margin; `foveasim plan kernel`
+/// σ and α say where samples lie, whatever the acuity line and the margin; [`KernelSearch`](super::KernelSearch)
 /// finds those that keep to them. For the same reason a fixed one is only moved, not made finer. With σ = 1
 /// there are as many samples as pixels, not the pixels themselves: the periphery is coarser for what the
 /// centre has more.
@@ -171,8 +171,10 @@ impl KernelSettings {
     }
 }
 
-const SIGMA: std::ops::RangeInclusive<f64> = 0.25..=100.0;
-const ALPHA: std::ops::RangeInclusive<f64> = 0.01..=100.0;
+/// Valid σ.
+pub(super) const SIGMA: std::ops::RangeInclusive<f64> = 0.25..=100.0;
+/// Valid α.
+pub(super) const ALPHA: std::ops::RangeInclusive<f64> = 0.01..=100.0;
 
 impl FromStr for KernelSettings {
     type Err = ModelError;

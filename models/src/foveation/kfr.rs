@@ -112,7 +112,7 @@ pub(super) fn estimate(
 }
 
 /// Samples of a map about a place on a screen of `size` pixels that lie on it.
-fn on_screen(map: &LogPolar, size: DVec2) -> f64 {
+pub(super) fn on_screen(map: &LogPolar, size: DVec2) -> f64 {
     let gaze = map.gaze_px();
     let room = size - gaze;
     let corners = [

@@ -19,7 +19,7 @@ use crate::{
 /// | `tracked`, `fixed`, `fixed=DEG` | whether the centre follows the gaze (see [`Aim`]); as sold it is `fixed` |
 ///
 /// At the centre, a whole pixel's corner, samples are pixels. `lms:0:0` is full resolution. A and B say where
-/// samples lie, whatever the acuity line; `foveasim plan kernel` finds those that keep to it.
+/// samples lie, whatever the acuity line; [`LensSearch`](super::LensSearch) finds those that keep to it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LensMatchedSettings {
     growth: DVec2,

@@ -138,6 +138,45 @@ impl LogPolar {
         ]
     }
 
+    /// Lengths outwards and around \[px\] of a sample's cell about lattice x: r(x + ½) − r(x − ½), and
+    /// 2πr/n_y. Unlike a step's they are finite everywhere: within half a step of the gaze it is the first
+    /// sample's cell.
+    pub fn cell_lengths(&self, x: f64) -> [f64; 2] {
+        let middle = x.max(0.5);
+        [
+            self.radius(middle + 0.5) - self.radius(middle - 0.5),
+            TAU * self.radius(x) / self.samples.y,
+        ]
+    }
+
+    /// The distance \[px\] from which on samples are sparser than pixels: where
+    /// ρ(r) = n_x·n_y/(2π·α·L·r²)·(ln r/L)^(1/α − 1) falls to 1 for the last time; 0 if it is less
+    /// everywhere, and the farthest corner's if it is not.
+    pub fn dense_within(&self) -> f64 {
+        let kernel = 1.0 / self.alpha - 1.0;
+        let all = self.samples.element_product() / (TAU * self.alpha * self.log_reach);
+        // ln ρ over l = ln r, which falls from its peak on.
+        let log_density = |l: f64| log(all) + kernel * log(l / self.log_reach) - 2.0 * l;
+        let (mut near, mut far) = ((kernel / 2.0).max(0.0), self.log_reach);
+        if log_density(far) >= 0.0 {
+            return exp(far);
+        }
+        if near > 0.0 && (near >= far || log_density(near) < 0.0) {
+            return 0.0;
+        }
+        // Bisection until the two are neighbouring numbers.
+        let mut middle = (near + far) / 2.0;
+        while middle > near && middle < far {
+            if log_density(middle) >= 0.0 {
+                near = middle;
+            } else {
+                far = middle;
+            }
+            middle = (near + far) / 2.0;
+        }
+        exp(near)
+    }
+
     /// Display pixels per lattice step (see [`Map::steps`](super::Map::steps)).
     pub fn steps(&self, p: DVec2) -> DMat2 {
         let [outwards, around] = self.step_lengths(p.x);

@@ -8,12 +8,14 @@
 //! * [`replay()`]: a recording, frame by displayed frame, and [`PhaseStudy`]: by what the eye does;
 //! * [`FrameStudy`]: one frame by any method beside its reference;
 //! * [`TemporalStudy`]: consecutive frames beside a [`supersampled`] reference: what flickers;
+//! * [`KernelTimes`], [`KernelErrors`]: what kernel foveated rendering pays in time and costs in error;
 //! * [`Guenter2012`]: a paper's tables and figures, ours beside theirs;
 //! * [`Scenario`] and [`run()`]: all of it, in one report.
 
 mod chain;
 mod events;
 mod frame;
+mod kernel;
 mod latency;
 mod numbers;
 mod prediction;
@@ -31,6 +33,9 @@ mod tracks;
 pub use chain::{Chain, ChainSpec, DriftSpec, HeadSampling, PARTS, Part, render_law};
 pub use events::EventStudy;
 pub use frame::{Drawing, FrameError, FrameOutcome, FrameStudy, Shot, Sight};
+pub use kernel::{
+    KernelErrorRow, KernelErrors, KernelRing, KernelTimeRow, KernelTimes, KernelTimings,
+};
 pub use latency::{
     Band, Budget, FIG5_READINGS, Fig5Reading, Fig5Result, Histogram, KNOBS, Knob, LatencyError,
     LatencyResult, LatencySample, LatencyStudy, MAX_RUNS, QUANTITIES, Quantity, ROWS, Rows,

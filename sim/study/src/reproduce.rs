@@ -210,7 +210,7 @@ impl Guenter2012 {
     }
 }
 
-fn check(
+pub(crate) fn check(
     field: &'static str,
     value: u32,
     range: std::ops::RangeInclusive<u32>,
@@ -227,7 +227,7 @@ fn check(
 }
 
 /// Tells `progress` of `steps` equal steps from one share of the whole to another.
-fn stepper<'a>(
+pub(crate) fn stepper<'a>(
     progress: &'a dyn Fn(&str, f64),
     what: &'static str,
     [from, to]: [f64; 2],

@@ -7,6 +7,7 @@
 //! * [`ScanlineStudy`]: how far the view is off, row by row;
 //! * [`replay()`]: a recording, frame by displayed frame, and [`PhaseStudy`]: by what the eye does;
 //! * [`FrameStudy`]: one frame by any method beside its reference;
+//! * [`StereoStudy`]: one frame of both eyes of a headset;
 //! * [`TemporalStudy`]: consecutive frames beside a [`supersampled`] reference: what flickers;
 //! * [`KernelTimes`], [`KernelErrors`]: what kernel foveated rendering pays in time and costs in error;
 //! * [`Guenter2012`]: a paper's tables and figures, ours beside theirs;
@@ -25,6 +26,7 @@ mod reproduce;
 mod run;
 mod scanlines;
 mod scenario;
+mod stereo;
 mod supersample;
 mod sweep;
 mod temporal;
@@ -63,6 +65,7 @@ pub use scenario::{
     GazeSource, MapGrid, RenderTime, Scenario, ScenarioError, ScenarioSpec, cost, display,
     read_text, tracker,
 };
+pub use stereo::{StereoOutcome, StereoStudy};
 pub use supersample::supersampled;
 pub use sweep::{
     DensityAt, Drawn, GazeAt, Resolution, SWEEP_COLUMNS, Sweep, SweepDisplay, SweepEye, SweepRow,

@@ -1,6 +1,7 @@
 //! Studies: where models, traces, pipeline, renderer, metrics and reports meet.
 //!
 //! * [`Sweep`]: sample counts over displays, methods, acuity, gaze and margins;
+//! * [`SpacingStudy`]: how far apart every method's samples lie, and the kernel that needs the fewest;
 //! * [`LatencyStudy`]: gaze-to-photon time, simulated and bounded;
 //! * [`EventStudy`]: fixations, saccades and blinks of a recording;
 //! * [`PredictionStudy`]: how well head pose is foreseen in a recording;
@@ -23,6 +24,7 @@ mod reproduce;
 mod run;
 mod scanlines;
 mod scenario;
+mod spacing;
 mod supersample;
 mod sweep;
 mod temporal;
@@ -58,6 +60,7 @@ pub use scenario::{
     GazeSource, MapGrid, RenderTime, Scenario, ScenarioError, ScenarioSpec, cost, display,
     read_text, tracker,
 };
+pub use spacing::{CurvePoint, SpacingCurve, SpacingOutcome, SpacingRow, SpacingStudy};
 pub use supersample::supersampled;
 pub use sweep::{
     DensityAt, Drawn, GazeAt, Resolution, SWEEP_COLUMNS, Sweep, SweepDisplay, SweepEye, SweepRow,

@@ -9,7 +9,7 @@
 //! * [`replay()`]: a recording, frame by displayed frame, and [`PhaseStudy`]: by what the eye does;
 //! * [`FrameStudy`]: one frame by any method beside its reference;
 //! * [`TemporalStudy`]: consecutive frames beside a [`supersampled`] reference: what flickers;
-//! * [`Guenter2012`]: a paper's tables and figures, ours beside theirs;
+//! * [`Guenter2012`], [`Meng2020`]: a paper's tables and figures, ours beside theirs;
 //! * [`Scenario`] and [`run()`]: all of it, in one report.
 
 mod chain;
@@ -47,9 +47,9 @@ pub use replay::{
     ReplaySummary, SUPPRESSION, Spread, head_predictor, replay, replay_each,
 };
 pub use reproduce::{
-    Antialiasing, Column, Guenter2012, Guenter2012Outcome, LatencyBars, LatencyRow, Payoff,
-    PayoffRow, Predicted, PredictedRow, QualityRow, QualitySweep, ReproduceError, Stein2021,
-    SteinRow, Table1, Table1Cell, TimeFit, Times,
+    Antialiasing, Column, DominanceFit, Fig7User, Guenter2012, Guenter2012Outcome, LatencyBars,
+    LatencyRow, Meng2020, Payoff, PayoffRow, Predicted, PredictedRow, QualityRow, QualitySweep,
+    ReproduceError, Stein2021, SteinRow, Table1, Table1Cell, TimeFit, Times, UserSigmas,
 };
 pub use run::{
     MARGIN_TOLERANCE_DEG, MOMENT_PICTURES, MarginLoop, MarginStep, MethodSaving, Moment, PlanCost,

@@ -19,13 +19,7 @@ fn what_promises_the_line_keeps_to_it() {
     for row in &found.rows {
         // Published layers blend too early, and a steep kernel leaves a hole about the gaze.
         let fails = row.label == "layers:3" || row.label.ends_with("as many samples");
-        assert_eq!(
-            row.meets_line(),
-            !fails,
-            "{} {}",
-            row.label,
-            row.over_limit
-        );
+        assert_eq!(row.meets_line(), !fails, "{} {}", row.label, row.over_limit);
         assert!(row.curve.points.iter().all(|p| p.longest_deg >= p.mean_deg));
         let spread =
             |p: &CurvePoint| p.radial_deg.max(p.tangential_deg) <= p.longest_deg * (1.0 + 1e-12);

@@ -1,3 +1,4 @@
+mod kernel;
 mod resolution;
 
 use anyhow::{Context as _, anyhow, bail};
@@ -16,7 +17,9 @@ use super::{Context, Failure, options};
 /// against sharpness. Lists are separated by commas; numbers may be ranges FROM..TO:STEP, both ends
 /// included.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Examples:
+#[command(
+    args_conflicts_with_subcommands = true,
+    after_help = "Examples:
   foveasim plan
   foveasim plan --display lg-w2363d --slope 0.0275 --method layers:3 --format csv
   foveasim plan --fov 10..130:5 --sharpness foveal --aspect 0.75 --method layers:4 --format csv
@@ -53,8 +56,11 @@ ideal_ratio is a density that falls off continuously: no method with the same ac
 saves more. tracked_over_fixed: how many times more samples the method shades if fixed (fixed=15
 unless it says) than if tracked, of the same quality; empty for kfr, efr and lms. extrapolated: the screen reaches farther from
 the gaze than slopes were measured.
-Where a display has two eyes, samples are those of both, pixels and layers those of one.")]
+Where a display has two eyes, samples are those of both, pixels and layers those of one."
+)]
 pub(crate) struct Args {
+    #[command(subcommand)]
+    find: Option<Find>,
     /// Presets or TOML files [default: a grid of flat displays]
     #[arg(long, value_name = "NAMES")]
     display: Option<String>,
@@ -110,6 +116,12 @@ pub(crate) struct Args {
     margin: String,
 }
 
+/// What is found instead of counted.
+#[derive(Debug, clap::Subcommand)]
+enum Find {
+    Kernel(kernel::Args),
+}
+
 /// The most rows of one run.
 const MOST_ROWS: usize = 1_000_000;
 const DEFAULT_FOV: &str = "30..130:20";
@@ -137,6 +149,9 @@ const READABLE: [&str; 15] = [
 ];
 
 pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
+    if let Some(Find::Kernel(args)) = &args.find {
+        return kernel::run(args, ctx);
+    }
     let sweep = args.sweep()?;
     // An unwritable folder is found before the work, not after.
     let outputs = ctx.out.is_some().then(|| ctx.outputs("out")).transpose()?;
@@ -250,19 +265,7 @@ impl Args {
     }
 
     fn gaze(&self) -> anyhow::Result<GazeAt> {
-        // Beyond this the direction is the same to the last bit of interest.
-        const FARTHEST_PX: f64 = 1e7;
-        if self.gaze == "centre" {
-            return Ok(GazeAt::Centre);
-        }
-        match options::pair(&self.gaze) {
-            Ok(px) if px.iter().all(|v| v.abs() <= FARTHEST_PX) => Ok(GazeAt::Pixel(px)),
-            _ => bail!(
-                "--gaze {}: want centre, or two numbers X,Y within {FARTHEST_PX} pixels, as in \
-                 960,540",
-                self.gaze
-            ),
-        }
+        gaze(&self.gaze, "centre")
     }
 
     fn presets(&self, names: &str) -> Result<Vec<SweepDisplay>, Failure> {
@@ -332,6 +335,21 @@ impl Args {
             }
             _ => bail!("--ppd, --pixels and --sharpness all say how many pixels; give one of them"),
         }
+    }
+}
+
+/// `centre`, or pixels; `names` says which words are valid.
+fn gaze(text: &str, names: &str) -> anyhow::Result<GazeAt> {
+    // Beyond this the direction is the same to the last bit of interest.
+    const FARTHEST_PX: f64 = 1e7;
+    if text == "centre" {
+        return Ok(GazeAt::Centre);
+    }
+    match options::pair(text) {
+        Ok(px) if px.iter().all(|v| v.abs() <= FARTHEST_PX) => Ok(GazeAt::Pixel(px)),
+        _ => bail!(
+            "--gaze {text}: want {names}, or two numbers X,Y within {FARTHEST_PX} pixels, as in 960,540"
+        ),
     }
 }
 

@@ -1,6 +1,7 @@
 //! Studies: where models, traces, pipeline, renderer, metrics and reports meet.
 //!
 //! * [`Sweep`]: sample counts over displays, methods, acuity, gaze and margins;
+//! * [`SpacingStudy`]: how far apart every method's samples lie, and the kernel that needs the fewest;
 //! * [`LatencyStudy`]: gaze-to-photon time, simulated and bounded;
 //! * [`EventStudy`]: fixations, saccades and blinks of a recording;
 //! * [`PredictionStudy`]: how well head pose is foreseen in a recording;
@@ -11,6 +12,7 @@
 //! * [`TemporalStudy`]: consecutive frames beside a [`supersampled`] reference: what flickers;
 //! * [`KernelTimes`], [`KernelErrors`]: what kernel foveated rendering pays in time and costs in error;
 //! * [`Guenter2012`]: a paper's tables and figures, ours beside theirs;
+//! * [`Guenter2012`], [`Meng2020`]: a paper's tables and figures, ours beside theirs;
 //! * [`Scenario`] and [`run()`]: all of it, in one report.
 
 mod chain;
@@ -26,6 +28,7 @@ mod reproduce;
 mod run;
 mod scanlines;
 mod scenario;
+mod spacing;
 mod stereo;
 mod supersample;
 mod sweep;
@@ -52,9 +55,9 @@ pub use replay::{
     ReplaySummary, SUPPRESSION, Spread, head_predictor, replay, replay_each,
 };
 pub use reproduce::{
-    Antialiasing, Column, Guenter2012, Guenter2012Outcome, LatencyBars, LatencyRow, Payoff,
-    PayoffRow, Predicted, PredictedRow, QualityRow, QualitySweep, ReproduceError, Stein2021,
-    SteinRow, Table1, Table1Cell, TimeFit, Times,
+    Antialiasing, Column, DominanceFit, Fig7User, Guenter2012, Guenter2012Outcome, LatencyBars,
+    LatencyRow, Meng2020, Payoff, PayoffRow, Predicted, PredictedRow, QualityRow, QualitySweep,
+    ReproduceError, Stein2021, SteinRow, Table1, Table1Cell, TimeFit, Times, UserSigmas,
 };
 pub use run::{
     MARGIN_TOLERANCE_DEG, MOMENT_PICTURES, MarginLoop, MarginStep, MethodSaving, Moment, PlanCost,
@@ -65,6 +68,7 @@ pub use scenario::{
     GazeSource, MapGrid, RenderTime, Scenario, ScenarioError, ScenarioSpec, cost, display,
     read_text, tracker,
 };
+pub use spacing::{CurvePoint, SpacingCurve, SpacingOutcome, SpacingRow, SpacingStudy};
 pub use stereo::{StereoOutcome, StereoStudy};
 pub use supersample::supersampled;
 pub use sweep::{

@@ -1,9 +1,10 @@
-//! Papers' tables and figures, ours beside theirs: Guenter et al., *Foveated 3D Graphics*, 2012, and the
-//! latencies of Stein et al., 2021.
+//! Papers' tables and figures, ours beside theirs: Guenter et al., *Foveated 3D Graphics*, 2012; Meng et al.,
+//! *Eye-dominance-guided Foveated Rendering*, 2020; and the latencies of Stein et al., 2021.
 
 mod antialiasing;
 mod latency;
 mod line;
+mod meng;
 mod page;
 mod paper;
 mod payoff;
@@ -26,6 +27,7 @@ use glam::UVec2;
 use thiserror::Error;
 
 pub use latency::{LatencyBars, LatencyRow};
+pub use meng::{DominanceFit, Fig7User, Meng2020, UserSigmas};
 pub use paper::Column;
 pub use payoff::{Payoff, PayoffRow};
 pub use predicted::{Predicted, PredictedRow};

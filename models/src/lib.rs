@@ -55,8 +55,9 @@ pub use error::{ModelError, closest, toml_error, unknown_name};
 pub use gaze::{GazeDirection, GazeMode};
 pub use geometry::{Pose, Rect, exp_so3, log_so3};
 pub use plan::{
-    Affine, Cadence, CellMask, Feather, Lattice, Map, Msaa, Pass, PassCount, PlanCount, Region,
-    Resolve, SamplePlan, Shading, ShadingRate, TileRates, Visibility,
+    Affine, Cadence, CellMask, Feather, Filter, Interpolation, Lattice, LensMatched, LogPolar, Map,
+    Msaa, Pass, PassCount, PlanCount, Region, Resolve, SamplePlan, Shading, ShadingRate, Spacing,
+    Spans, TileRates, Visibility,
 };
 pub use predict::{HeadPredictor, HeadTracker, KalmanNoise, Motion, Twist};
 pub use rng::{Role, Stream};

@@ -25,7 +25,8 @@ fn panels() -> Vec<(String, EyePanel)> {
 fn both(method: Method, request: &Request) -> (SamplePlan, Estimate) {
     let screen = Screen::from(&request.viewport);
     let gaze = method.aim().gaze(request.gaze, request.ahead);
-    let estimate = method.estimate(&screen, request.acuity, gaze, request.margin_deg);
+    let own = method.of_eye(request.eye);
+    let estimate = own.estimate(&screen, request.acuity, gaze, request.margin_deg);
     (method.plan(request).unwrap(), estimate.unwrap())
 }
 
@@ -51,6 +52,11 @@ fn plans_count_what_estimates_say() {
             "quad:auto",
             "quad:auto:peripheral=0.3",
             "quad:focus=0.6:peripheral=0.7",
+            "kfr:2:4",
+            "kfr:1.8:0.25:published",
+            "kfr:3:1:fixed",
+            "efr:2:3:alpha=0.5",
+            "lms:0.5:0.7",
         ] {
             for gaze in [
                 panel.ahead(),

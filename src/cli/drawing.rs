@@ -17,7 +17,7 @@ pub(crate) struct DrawingArgs {
     #[arg(long, value_enum, default_value_t = Lod::Footprint)]
     lod: Lod,
     /// Work to leave out because the picture does not need it: all, none, or some of back-faces,
-    /// outside, occluded, hidden, repeated-vertices, whole-samples, with commas
+    /// outside, occluded, hidden, repeated-vertices, whole-samples, repeated-for-eyes, with commas
     #[arg(long, value_name = "LIST", default_value = "all", value_parser = str::parse::<Skip>)]
     skip: Skip,
     /// Samples along each side of a pixel of the reference, 1 to 16; above 1, the reference shows what

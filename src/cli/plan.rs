@@ -1,3 +1,4 @@
+mod kernel;
 mod resolution;
 
 use anyhow::{Context as _, anyhow, bail};
@@ -16,7 +17,9 @@ use super::{Context, Failure, options};
 /// against sharpness. Lists are separated by commas; numbers may be ranges FROM..TO:STEP, both ends
 /// included.
 #[derive(Debug, clap::Args)]
-#[command(after_help = "Examples:
+#[command(
+    args_conflicts_with_subcommands = true,
+    after_help = "Examples:
   foveasim plan
   foveasim plan --display lg-w2363d --slope 0.0275 --method layers:3 --format csv
   foveasim plan --fov 10..130:5 --sharpness foveal --aspect 0.75 --method layers:4 --format csv
@@ -25,6 +28,7 @@ use super::{Context, Failure, options};
   foveasim plan --fov 90 --pixels 3840x2160 --gaze 0,1080 --gaze-mode fixed
   foveasim plan --display quest-pro --method full,layers:3,vrs,fdm,rates,quad,quad:auto
   foveasim plan --display quest-pro --method vrs,vrs:fixed,vrs:fixed=25
+  foveasim plan --display quest-pro --method kfr:2:4,kfr:2:1,kfr:2:0.25,efr:2:3,lms:1:1
 
 Methods, settings in brackets:
   full
@@ -34,19 +38,29 @@ Methods, settings in brackets:
   fdm       fragment density map: visibility is coarse as well [tile=8|16|32; max=1|2|4]
   rates     a rate for each band of columns and of rows [bands=N, 1 to 256]
   quad      a sharp rectangle on a coarser whole [focus=SHARE or auto; peripheral=SCALE]
+  kfr:SIGMA:ALPHA        kernel foveated rendering: W/SIGMA x H/SIGMA samples on a log-polar map with
+            kernel exponent ALPHA (the paper: 4) [published: visibility at full resolution, else direct;
+            filter=nearest; smooth; mips], as in kfr:2:4:published
+  efr:SIGMA_D:SIGMA_ND   the same, coarser for the eye that is not dominant [dominant=left|right;
+            alpha=ALPHA; those of kfr], as in efr:2:3:dominant=left
+  lms:A:B   lens-matched shading: four quadrants with w' = w + A|x| + B|y|, as in lms:0.5:0.5
 All but full may be fixed or fixed=DEG: straight ahead whatever the gaze, and as sharp as the eye
 wherever that looks within so many degrees (15). layers:N without strict and quad without auto do not
-promise to meet the acuity line everywhere.
+promise to meet the acuity line everywhere. kfr, efr and lms put their samples where their settings
+say: `foveasim plan kernel` finds the ones that meet it.
 
 Columns: method_samples is the closed form and may be a fraction; plan_samples is the whole number
 that is drawn. sample_ratio counts every layer, sample_ratio_staggered those drawn in every second
 frame half. shading_ratio counts evaluations of shading, which vrs has fewer of than samples.
 ideal_ratio is a density that falls off continuously: no method with the same acuity and margin
 saves more. tracked_over_fixed: how many times more samples the method shades if fixed (fixed=15
-unless it says) than if tracked, of the same quality. extrapolated: the screen reaches farther from
+unless it says) than if tracked, of the same quality; empty for kfr, efr and lms. extrapolated: the screen reaches farther from
 the gaze than slopes were measured.
-Where a display has two eyes, samples are those of both, pixels and layers those of one.")]
+Where a display has two eyes, samples are those of both, pixels and layers those of one."
+)]
 pub(crate) struct Args {
+    #[command(subcommand)]
+    find: Option<Find>,
     /// Presets or TOML files [default: a grid of flat displays]
     #[arg(long, value_name = "NAMES")]
     display: Option<String>,
@@ -102,6 +116,12 @@ pub(crate) struct Args {
     margin: String,
 }
 
+/// What is found instead of counted.
+#[derive(Debug, clap::Subcommand)]
+enum Find {
+    Kernel(kernel::Args),
+}
+
 /// The most rows of one run.
 const MOST_ROWS: usize = 1_000_000;
 const DEFAULT_FOV: &str = "30..130:20";
@@ -129,6 +149,9 @@ const READABLE: [&str; 15] = [
 ];
 
 pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
+    if let Some(Find::Kernel(args)) = &args.find {
+        return kernel::run(args, ctx);
+    }
     let sweep = args.sweep()?;
     // An unwritable folder is found before the work, not after.
     let outputs = ctx.out.is_some().then(|| ctx.outputs("out")).transpose()?;
@@ -242,19 +265,7 @@ impl Args {
     }
 
     fn gaze(&self) -> anyhow::Result<GazeAt> {
-        // Beyond this the direction is the same to the last bit of interest.
-        const FARTHEST_PX: f64 = 1e7;
-        if self.gaze == "centre" {
-            return Ok(GazeAt::Centre);
-        }
-        match options::pair(&self.gaze) {
-            Ok(px) if px.iter().all(|v| v.abs() <= FARTHEST_PX) => Ok(GazeAt::Pixel(px)),
-            _ => bail!(
-                "--gaze {}: want centre, or two numbers X,Y within {FARTHEST_PX} pixels, as in \
-                 960,540",
-                self.gaze
-            ),
-        }
+        gaze(&self.gaze, "centre")
     }
 
     fn presets(&self, names: &str) -> Result<Vec<SweepDisplay>, Failure> {
@@ -324,6 +335,21 @@ impl Args {
             }
             _ => bail!("--ppd, --pixels and --sharpness all say how many pixels; give one of them"),
         }
+    }
+}
+
+/// `centre`, or pixels; `names` says which words are valid.
+fn gaze(text: &str, names: &str) -> anyhow::Result<GazeAt> {
+    // Beyond this the direction is the same to the last bit of interest.
+    const FARTHEST_PX: f64 = 1e7;
+    if text == "centre" {
+        return Ok(GazeAt::Centre);
+    }
+    match options::pair(text) {
+        Ok(px) if px.iter().all(|v| v.abs() <= FARTHEST_PX) => Ok(GazeAt::Pixel(px)),
+        _ => bail!(
+            "--gaze {text}: want {names}, or two numbers X,Y within {FARTHEST_PX} pixels, as in 960,540"
+        ),
     }
 }
 

@@ -1,6 +1,9 @@
+mod stereo;
+
 use foveasim_models::foveation::{Method, Request};
 use foveasim_models::math::tan_deg;
-use foveasim_models::{Display, Geometry, Viewport};
+use foveasim_models::{Display, EyePanel, Geometry, Image, Viewport};
+use foveasim_render::Frame;
 use foveasim_reports::{ERROR_FULL_SCALE, error_map, png};
 use foveasim_study::FrameStudy;
 
@@ -21,6 +24,8 @@ use super::{Context, Failure, options};
   foveasim render --scene controller.glb --method full --size 960x540 --out frames
   foveasim render --scene mesh.obj --camera 2,1,4 --look-at 0,1,0 --texture wall.png --out frames
   foveasim render --msaa 4 --frames 16 --staggered --supersample 8 --size 960x540 --out frames
+  foveasim render --display quest-pro --stereo --method efr:2:3 --gaze-distance 2 --out frames
+  foveasim render --method kfr:2:1 --passes --out frames
   foveasim render --fov 70 --size 1920x1080 --slope guenter-b --margin-deg 2 --out frames")]
 pub(crate) struct Args {
     #[command(flatten)]
@@ -37,7 +42,7 @@ pub(crate) struct Args {
     /// Horizontal field of view [deg] [default: the display's]
     #[arg(long, value_name = "DEGREES", allow_hyphen_values = true)]
     fov: Option<f64>,
-    /// Where the eye looks, in pixels from the top left; may lie outside [default: straight ahead]
+    /// Where the (left) eye looks, in pixels from the top left; may lie outside [default: straight ahead]
     #[arg(long, value_name = "X,Y", value_parser = options::pair, allow_hyphen_values = true)]
     gaze: Option<[f64; 2]>,
     /// Acuity slope: guenter-a, guenter-b, a quality index j:12, or a number
@@ -57,13 +62,26 @@ pub(crate) struct Args {
         allow_hyphen_values = true
     )]
     margin: f64,
+    /// Draw both eyes of a headset: left.png, right.png and so on
+    #[arg(long)]
+    stereo: bool,
+    /// How far the left eye looks [m]; the right one looks at the same point (with --stereo) [default: the
+    /// same direction, at infinity]
+    #[arg(long, value_name = "METRES", requires = "stereo")]
+    gaze_distance: Option<f64>,
+    /// Write the samples of each pass as they lie in its lattice, too: pass-0.png and so on
+    #[arg(long)]
+    passes: bool,
     #[command(flatten)]
     drawing: DrawingArgs,
 }
 
 pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
     let display = options::display(&args.display)?;
-    let viewport = viewport(args, &display)?;
+    if args.stereo {
+        return stereo::run(args, &display, ctx);
+    }
+    let viewport = viewport(args, display.primary(), &display)?;
     let ahead = display.primary().ahead();
     let gaze = args.gaze.map_or(ahead, |px| viewport.gaze_at(px.into()));
     let request = Request {
@@ -81,6 +99,8 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
     // Fails now, not after the work, if there is nowhere to write.
     let mut outputs = ctx.outputs("out")?;
 
+    let mut drawing = args.drawing.drawing(stage.near_m);
+    drawing.options.keep_passes = args.passes;
     let mut sights = stage.sights();
     let study = FrameStudy {
         sight: sights.pop().expect("at least one frame is drawn"),
@@ -88,7 +108,7 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
         first_frame: stage.first_frame,
         gaze: request.gaze,
         request,
-        drawing: args.drawing.drawing(stage.near_m),
+        drawing,
     };
     let bar = ctx.progress(u64::from(args.drawing.frames), "drawing");
     let outcome = study.run_showing(&[args.method], &mut |_, number, frame| {
@@ -109,6 +129,9 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
         "error.png",
         png(&error_map(frame, reference, ERROR_FULL_SCALE)?.image)?,
     );
+    for (k, pass) in pictures(&shot.frame) {
+        outputs.add(format!("pass-{k}.png"), png(pass)?);
+    }
     outputs.add("work.csv", outcome.work_table().csv());
     outputs.add("quality.csv", quality.csv());
     let dir = outputs.dir().display().to_string();
@@ -125,9 +148,15 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
     Ok(())
 }
 
-/// The image plane: the display's, with another size or field of view where asked for.
-fn viewport(args: &Args, display: &Display) -> Result<Viewport, Failure> {
-    let own = display.primary().viewport;
+/// The passes of a frame that are kept and were shaded, with their numbers.
+fn pictures(frame: &Frame) -> impl Iterator<Item = (usize, &Image)> {
+    let passes = frame.passes.iter().enumerate();
+    passes.filter(|(_, image)| image.size.min_element() > 0)
+}
+
+/// The image plane of a panel of the display, with another size or field of view where asked for.
+fn viewport(args: &Args, panel: &EyePanel, display: &Display) -> Result<Viewport, Failure> {
+    let own = panel.viewport;
     let size = args.size.map_or(own.size, Into::into);
     if let Some(fov) = args.fov {
         if !(fov > 0.0 && fov < 180.0) {

@@ -1,7 +1,7 @@
 use std::time::Instant;
 
 use foveasim_models::unknown_name;
-use foveasim_study::{Guenter2012, Stein2021};
+use foveasim_study::{Guenter2012, Meng2020, Stein2021};
 
 use super::context::Format;
 use super::{Context, Failure, options};
@@ -14,10 +14,12 @@ use super::{Context, Failure, options};
 #[command(after_help = "Examples:
   foveasim reproduce guenter2012 --out guenter2012
   foveasim reproduce guenter2012 --quick --out quick
+  foveasim reproduce meng2020 --out meng2020
   foveasim reproduce stein2021
   foveasim reproduce guenter2012 --frames 48 --antialiasing-frames 0 --out times-only")]
 pub(crate) struct Args {
-    /// The paper: guenter2012 (Foveated 3D Graphics), or stein2021 (latencies of three headsets, predicted
+    /// The paper: guenter2012 (Foveated 3D Graphics), meng2020 (Eye-dominance-guided Foveated
+    /// Rendering: its equations, and what its Fig. 7 says of them), or stein2021 (latencies of three headsets, predicted
     /// from their presets)
     #[arg(value_name = "PAPER")]
     paper: String,
@@ -41,8 +43,12 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
     match args.paper.as_str() {
         "guenter2012" => {}
+        "meng2020" => return meng2020(args, ctx),
         "stein2021" => return stein2021(args, ctx),
-        other => return Err(unknown_name("paper", other, &["guenter2012", "stein2021"]).into()),
+        other => {
+            let papers = ["guenter2012", "meng2020", "stein2021"];
+            return Err(unknown_name("paper", other, &papers).into());
+        }
     }
     let asked = asked(args, ctx);
     // An unwritable folder is found before the work, not after.
@@ -80,16 +86,41 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
 /// Runs for each headset of Stein 2021.
 const RUNS: u64 = 200_000;
 
-fn stein2021(args: &Args, ctx: &Context) -> Result<(), Failure> {
+fn meng2020(args: &Args, ctx: &Context) -> Result<(), Failure> {
+    draws_nothing(args, "meng2020")?;
+    let mut outputs = ctx.outputs("out")?;
+    let found = Meng2020::new()?;
+    for (name, bytes) in found.files() {
+        outputs.add(name, bytes);
+    }
+    outputs.add("report.html", found.page().html());
+    let report = outputs.path("report.html");
+    outputs.commit()?;
+    ctx.print_table(&found.caption())?;
+    if ctx.format == Format::Table {
+        ctx.print(&format!("\nreport  {}\n", report.display()))?;
+    }
+    Ok(())
+}
+
+/// Refuses flags of a reproduction that draws.
+fn draws_nothing(args: &Args, paper: &str) -> Result<(), Failure> {
     let drawn = args.frames.is_some()
         || args.size.is_some()
         || args.antialiasing_frames.is_some()
         || args.antialiasing_size.is_some()
         || args.quick;
     if drawn {
-        let text = "stein2021 draws nothing: --frames, --size, --antialiasing-* and --quick are for guenter2012";
+        let text = format!(
+            "{paper} draws nothing: --frames, --size, --antialiasing-* and --quick are for guenter2012"
+        );
         return Err(Failure::bad_input(text));
     }
+    Ok(())
+}
+
+fn stein2021(args: &Args, ctx: &Context) -> Result<(), Failure> {
+    draws_nothing(args, "stein2021")?;
     let found = Stein2021::run(RUNS, ctx.seed)?;
     if ctx.out.is_some() {
         let mut outputs = ctx.outputs("out")?;

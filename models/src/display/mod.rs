@@ -5,6 +5,7 @@ mod scan_spec;
 
 use std::collections::BTreeMap;
 
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 pub use hmd::HmdSpec;
@@ -13,7 +14,7 @@ pub use scan::{Emission, PixelResponse, ScanClock, ScanDirection};
 pub use scan_spec::{EyeOrder, LightAt, ScanSpec};
 
 use crate::presets::Source;
-use crate::{Eye, GazeDirection, ModelError, Pose, Viewport};
+use crate::{Eye, GazeDirection, ModelError, Pose, View, Viewport};
 
 /// A display as people write it (TOML): exactly one of `planar` and `hmd`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -133,6 +134,18 @@ impl Display {
 }
 
 impl EyePanel {
+    /// What this eye sees of the world when the head is at `world_from_head`.
+    pub fn view(&self, world_from_head: Pose) -> View {
+        let world_from_eye = world_from_head.then(self.head_from_eye);
+        View::still(self.eye, self.viewport, world_from_eye)
+    }
+
+    /// Where this eye turns to look at a point of the head's frame \[m\]: unlike [`in_eye`](Self::in_eye),
+    /// the eyes converge.
+    pub fn looking_at(&self, point: DVec3) -> GazeDirection {
+        GazeDirection::from_vector(self.head_from_eye.inverse().point(point))
+    }
+
     /// A gaze given relative to the head, in this eye's own frame. Both eyes look in the same
     /// direction: at infinity.
     pub fn in_eye(&self, gaze: GazeDirection) -> GazeDirection {

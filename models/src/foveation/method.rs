@@ -3,15 +3,17 @@ use std::str::FromStr;
 
 use super::need::Need;
 use super::{
-    Aim, Estimate, LayersSettings, QuadSettings, RatesSettings, Screen, TileSettings, fdm, request,
-    vrs,
+    Aim, DominanceSettings, Estimate, KernelSettings, LayersSettings, LensMatchedSettings,
+    QuadSettings, RatesSettings, Screen, TileSettings, fdm, kfr, request, vrs,
 };
-use crate::{Acuity, GazeDirection, ModelError, unknown_name};
+use crate::{Acuity, Eye, GazeDirection, ModelError, unknown_name};
 
 /// How an image is foveated, written `name:setting:setting`: `full`; `layers:N` with the settings
 /// of [`LayersSettings`] (`layers:3:strict:s2=2`); `vrs` and `fdm` with those of [`TileSettings`]
 /// (`vrs:tile=8`); `rates` with those of [`RatesSettings`]; `quad` with those of [`QuadSettings`]
-/// (`quad:auto`). All but `full` can be `fixed` (see [`Aim`]).
+/// (`quad:auto`); `kfr:SIGMA:ALPHA` with those of [`KernelSettings`] (`kfr:2:4:published`),
+/// `efr:SIGMA_D:SIGMA_ND` with those of [`DominanceSettings`] and `lms:A:B` with those of
+/// [`LensMatchedSettings`]. All but `full` can be `fixed` (see [`Aim`]).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Method {
@@ -27,10 +29,18 @@ pub enum Method {
     Rates(RatesSettings),
     /// Quad views: a sharp rectangle on a coarser whole.
     Quad(QuadSettings),
+    /// Kernel foveated rendering: samples on a log-polar map about the gaze (Meng 2018).
+    Kfr(KernelSettings),
+    /// The same, coarser for the eye that is not dominant (Meng 2020).
+    Efr(DominanceSettings),
+    /// Lens-matched shading: four quadrants that shrink outwards.
+    Lms(LensMatchedSettings),
 }
 
 /// The methods' names.
-const NAMES: [&str; 6] = ["full", "layers", "vrs", "fdm", "rates", "quad"];
+const NAMES: [&str; 9] = [
+    "full", "layers", "vrs", "fdm", "rates", "quad", "kfr", "efr", "lms",
+];
 
 impl Method {
     /// Whether it follows the gaze.
@@ -41,6 +51,9 @@ impl Method {
             Self::Vrs(settings) | Self::Fdm(settings) => settings.aim(),
             Self::Rates(settings) => settings.aim(),
             Self::Quad(settings) => settings.aim(),
+            Self::Kfr(settings) => settings.aim(),
+            Self::Efr(settings) => settings.aim(),
+            Self::Lms(settings) => settings.aim(),
         }
     }
 
@@ -54,6 +67,32 @@ impl Method {
             Self::Fdm(settings) => Self::Fdm(settings.with_aim(aim)),
             Self::Rates(settings) => Self::Rates(settings.with_aim(aim)),
             Self::Quad(settings) => Self::Quad(settings.with_aim(aim)),
+            Self::Kfr(settings) => Self::Kfr(settings.with_aim(aim)),
+            Self::Efr(settings) => Self::Efr(settings.with_aim(aim)),
+            Self::Lms(settings) => Self::Lms(settings.with_aim(aim)),
+        }
+    }
+
+    /// What `eye` gets: for [`Method::Efr`] its own kernel, the method itself otherwise.
+    #[must_use]
+    pub fn of_eye(self, eye: Eye) -> Self {
+        match self {
+            Self::Efr(settings) => Self::Kfr(settings.of_eye(eye)),
+            other => other,
+        }
+    }
+
+    /// Whether samples lie where its settings say, whatever the acuity line and the margin: then it is
+    /// neither made finer where the eye would see the difference nor, if fixed, for an eye that turns.
+    pub fn is_given(&self) -> bool {
+        match self {
+            Self::Kfr(_) | Self::Efr(_) | Self::Lms(_) => true,
+            Self::Full
+            | Self::Layers(_)
+            | Self::Vrs(_)
+            | Self::Fdm(_)
+            | Self::Rates(_)
+            | Self::Quad(_) => false,
         }
     }
 
@@ -62,8 +101,7 @@ impl Method {
     ///
     /// `gaze` is where the method is aimed: for a fixed one straight ahead of the head, which the
     /// caller knows ([`Aim::gaze`]). `margin_deg` is the tracker's; the reach of a fixed method comes
-    /// on top.
-    ///
+    /// on top. [`Method::Efr`] is the dominant eye's; for the other's see [`Method::of_eye`].
     ///
     /// # Errors
     /// As [`Method::plan`].
@@ -93,6 +131,9 @@ impl Method {
             Self::Fdm(settings) => fdm::estimate(settings, &need),
             Self::Rates(settings) => settings.estimate(&need),
             Self::Quad(settings) => settings.estimate(&need),
+            Self::Kfr(settings) => kfr::estimate(settings, screen, gaze)?,
+            Self::Efr(settings) => kfr::estimate(&settings.of_eye(Eye::Cyclopean), screen, gaze)?,
+            Self::Lms(settings) => settings.estimate(screen, gaze)?,
         })
     }
 
@@ -129,6 +170,9 @@ impl FromStr for Method {
             ("rates", Some(settings)) => settings.parse().map(Self::Rates),
             ("quad", None) => Ok(Self::Quad(QuadSettings::default())),
             ("quad", Some(settings)) => settings.parse().map(Self::Quad),
+            ("kfr", settings) => settings.unwrap_or_default().parse().map(Self::Kfr),
+            ("efr", settings) => settings.unwrap_or_default().parse().map(Self::Efr),
+            ("lms", settings) => settings.unwrap_or_default().parse().map(Self::Lms),
             _ => Err(unknown_name("method", name, &NAMES)),
         }
     }
@@ -143,6 +187,9 @@ impl fmt::Display for Method {
             Self::Fdm(settings) => write!(f, "fdm{settings}"),
             Self::Rates(settings) => write!(f, "rates{settings}"),
             Self::Quad(settings) => write!(f, "quad{settings}"),
+            Self::Kfr(settings) => write!(f, "kfr{settings}"),
+            Self::Efr(settings) => write!(f, "efr{settings}"),
+            Self::Lms(settings) => write!(f, "lms{settings}"),
         }
     }
 }
@@ -182,6 +229,19 @@ mod tests {
                 "quad:focus=0.5:peripheral=0.4",
             ),
             ("quad:auto:fixed=0", "quad:focus=auto:fixed=0"),
+            ("kfr:2:4", "kfr:2:4"),
+            ("kfr:1.80:0.25:direct:filter=bilinear", "kfr:1.8:0.25"),
+            (
+                "kfr:2:4:mips:form=published:fixed:smooth:filter=nearest",
+                "kfr:2:4:published:filter=nearest:smooth:mips:fixed",
+            ),
+            ("efr:2:3", "efr:2:3"),
+            ("efr:2:3:dominant=right:alpha=4", "efr:2:3"),
+            (
+                "efr:2:3:published:alpha=0.25:dominant=left",
+                "efr:2:3:dominant=left:alpha=0.25:published",
+            ),
+            ("lms:0.5:0.4:fixed", "lms:0.5:0.4:fixed"),
         ] {
             let method: Method = text.parse().unwrap();
             assert_eq!(method.to_string(), canonical);
@@ -211,6 +271,10 @@ mod tests {
             "rates",
             "quad",
             "quad:auto",
+            "kfr:2:4",
+            "kfr:2:0.25:published",
+            "efr:2:3",
+            "lms:1:0.5",
         ] {
             assert!(estimate(method, 0.0, 0.0, 0.0).unwrap().samples() > 0.0);
             for (az, el, margin, field) in [
@@ -275,6 +339,36 @@ mod tests {
                 "peripheral = 2: must be a number from 0.01 to 1",
             ),
             ("quad:peripheral=", "peripheral = : must be a number"),
+            (
+                "kfr",
+                "sigma of kfr = : must be a number from 0.25 to 100, as in kfr:2:4",
+            ),
+            (
+                "kfr:2",
+                "alpha of kfr = : must be a number from 0.01 to 100",
+            ),
+            ("kfr:0:4", "sigma of kfr = 0: must be"),
+            ("kfr:nan:4", "sigma of kfr = nan"),
+            ("kfr:2:-4", "alpha of kfr = -4"),
+            ("kfr:2:4:", "unknown setting of kfr ``"),
+            ("kfr:2:4:publshed", "did you mean `published`?"),
+            ("kfr:2:4:form=other", "unknown form `other`"),
+            ("kfr:2:4:filter=cubic", "unknown filter `cubic`"),
+            ("kfr:2:4:smooth=1", "unknown setting of kfr `smooth=1`"),
+            (
+                "efr:2",
+                "sigma of the other eye = : must be a number from 2",
+            ),
+            (
+                "efr:3:2",
+                "sigma of the other eye = 2: must be a number from 3 to 100, as in efr:2:3",
+            ),
+            ("efr:2:3:dominant=both", "valid: left, right"),
+            ("efr:2:3:alpha=", "alpha = : must be a number"),
+            ("efr:2:3:alpha=0", "alpha = 0: must be a number from 0.01"),
+            ("lms:1", "B of lms = : must be a number from 0 to 20"),
+            ("lms:-1:0", "A of lms = -1"),
+            ("lms:1:1:smooth", "unknown setting of lms `smooth`"),
         ] {
             let error = text.parse::<Method>().unwrap_err().to_string();
             assert!(error.contains(expect), "{text}: {error}");

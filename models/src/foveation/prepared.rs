@@ -1,4 +1,4 @@
-use super::{LayerDesign, Method, Request, Screen, fdm, layers, request, vrs};
+use super::{LayerDesign, Method, Request, Screen, fdm, kfr, layers, request, vrs};
 use crate::{GazeDirection, ModelError, SamplePlan};
 
 /// A method fitted to one image, acuity and margin. What does not depend on the gaze is done once, so
@@ -62,6 +62,12 @@ impl Prepared {
             (Method::Fdm(settings), _) => fdm::plan(settings, &request),
             (Method::Rates(settings), _) => settings.plan(&request),
             (Method::Quad(settings), _) => settings.plan(&request),
+            (Method::Kfr(settings), _) => kfr::plan(self.method.to_string(), settings, &request)?,
+            (Method::Efr(settings), _) => {
+                let own = settings.of_eye(request.eye);
+                kfr::plan(self.method.to_string(), &own, &request)?
+            }
+            (Method::Lms(settings), _) => settings.plan(&request)?,
             _ => SamplePlan::full(request.eye, request.viewport.size),
         })
     }
@@ -87,6 +93,10 @@ mod tests {
             "rates",
             "quad",
             "quad:auto:fixed",
+            "kfr:2:4:smooth",
+            "kfr:2:0.25:published:fixed",
+            "efr:2:3",
+            "lms:0.5:1",
         ] {
             let method: Method = text.parse().unwrap();
             let prepared = method.prepare(&ahead).unwrap();

@@ -129,6 +129,15 @@ impl Screen {
         DVec2::new(0f64.clamp(left, right), 0f64.clamp(down, up))
     }
 
+    /// Where a direction (eye frame) meets the screen \[px\], or else the place on its edge nearest to
+    /// where it meets the image plane. From 90° on, where it does not, it counts as just below.
+    pub(super) fn nearest_px(&self, d: DVec3) -> DVec2 {
+        let [left, _, up, _] = self.tan;
+        let at = DVec2::new(d.x, d.y) / (-d.z).max(1e-9);
+        let px = DVec2::new(at.x - left, up - at.y) / self.pixel_tan;
+        px.clamp(DVec2::ZERO, self.size_px())
+    }
+
     /// The direction through pixel position `px`, with z = −1 (not normalised), eye frame.
     pub fn direction(&self, px: DVec2) -> DVec3 {
         let step = self.pixel_tan;

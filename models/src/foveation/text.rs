@@ -1,5 +1,7 @@
 //! How settings of methods are written: `key` or `key=value`, separated by colons.
 
+use std::ops::RangeInclusive;
+
 use super::Aim;
 use crate::{ModelError, unknown_name};
 
@@ -10,6 +12,28 @@ pub(super) struct Setting<'a>(pub(super) &'a str, pub(super) Option<&'a str>);
 /// The settings of a text.
 pub(super) fn settings(text: &str) -> impl Iterator<Item = Setting<'_>> {
     text.split(':').map(Setting::from)
+}
+
+/// A number that stands by itself, as the first settings of some methods do: `example` shows where.
+pub(super) fn number(
+    field: &str,
+    setting: Option<Setting<'_>>,
+    valid: RangeInclusive<f64>,
+    example: &str,
+) -> Result<f64, ModelError> {
+    let text = match setting {
+        Some(Setting(key, None)) => key.to_owned(),
+        Some(Setting(key, Some(value))) => format!("{key}={value}"),
+        None => String::new(),
+    };
+    match text.parse::<f64>() {
+        Ok(value) if valid.contains(&value) => Ok(value),
+        _ => {
+            let (low, high) = (valid.start(), valid.end());
+            let valid = format!("a number from {low} to {high}, as in {example}");
+            Err(ModelError::range(field, text, valid))
+        }
+    }
 }
 
 impl<'a> From<&'a str> for Setting<'a> {

@@ -1,7 +1,7 @@
 /// Samples of one pass.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PassCount {
-    /// Samples each time it is drawn: live ones.
+    /// Samples each time it is drawn: live ones for which visibility is found.
     pub samples: u64,
     /// At most how often shading is evaluated each time, if no sample shows two triangles: once for
     /// each sample, or for each block of coarse shading that has a live sample.

@@ -2,17 +2,26 @@
 
 mod count;
 mod lattice;
+mod lens_matched;
+mod log_polar;
+mod map;
+mod on_display;
 mod pass;
 mod region;
 mod resolve;
 mod shading;
+mod spans;
 
 pub use count::{PassCount, PlanCount};
-pub use lattice::{Affine, Lattice, Map};
+pub use lattice::Lattice;
+pub use lens_matched::LensMatched;
+pub use log_polar::LogPolar;
+pub use map::{Affine, Map, Spacing};
 pub use pass::{Cadence, Msaa, Pass, Visibility};
 pub use region::{CellMask, Region};
-pub use resolve::{Feather, Resolve};
+pub use resolve::{Feather, Filter, Interpolation, Resolve};
 pub use shading::{Shading, ShadingRate, TileRates};
+pub use spans::Spans;
 
 use glam::{DVec2, UVec2};
 
@@ -57,11 +66,26 @@ impl SamplePlan {
     #[must_use]
     pub fn with_msaa(mut self, msaa: Msaa) -> Self {
         for pass in &mut self.passes {
-            pass.visibility = match pass.visibility {
-                Visibility::Own(_) => Visibility::Own(msaa),
-            };
+            if let Visibility::Own(_) = pass.visibility {
+                pass.visibility = Visibility::Own(msaa);
+            }
         }
         self
+    }
+
+    /// Where a sample of pass `pass` is taken \[display px\]: at its cell's middle, shifted by the
+    /// pass's offset; with [`Region::Spans`] no farther out than the display's edge.
+    ///
+    /// # Panics
+    /// If there is no such pass.
+    pub fn position(&self, pass: usize, sample: UVec2) -> DVec2 {
+        let pass = &self.passes[pass];
+        let at = sample.as_dvec2() + 0.5 + pass.offset;
+        let place = pass.map.display_from_lattice(at);
+        match pass.region {
+            Region::Spans(_) => place.clamp(DVec2::ZERO, self.display_px.as_dvec2()),
+            _ => place,
+        }
     }
 
     /// Exact counts.

@@ -34,6 +34,10 @@ pub struct Pass {
 pub enum Visibility {
     /// For each sample of the pass, at one or more positions in its cell.
     Own(Msaa),
+    /// By an earlier pass of the plan (its index): a sample sees what the sample of that pass does whose
+    /// cell holds it. Published kernel foveated rendering finds visibility at full resolution and shades
+    /// log-polar texels.
+    Shared(usize),
 }
 
 /// Multisample antialiasing: at how many positions of a sample's cell visibility is found. Shading is
@@ -59,21 +63,29 @@ pub struct Cadence {
 
 impl Pass {
     /// How many samples are drawn: the live ones.
-    pub fn samples(&self) -> u64 {
+    pub fn live(&self) -> u64 {
         match &self.region {
             Region::All => self.lattice.samples(),
             Region::Cells(mask) => mask.samples(),
+            Region::Spans(spans) => spans.samples(),
+        }
+    }
+
+    /// For how many samples visibility is found: the live ones, or none if another pass finds it.
+    pub fn samples(&self) -> u64 {
+        match self.visibility {
+            Visibility::Own(_) => self.live(),
+            Visibility::Shared(_) => 0,
         }
     }
 
     /// At most how often shading is evaluated where no sample shows two triangles.
     pub fn shadings(&self) -> u64 {
         match (&self.shading, &self.region) {
-            (Shading::PerSample, _) => self.samples(),
+            (Shading::Nowhere, _) => 0,
+            (Shading::PerSample, _) => self.live(),
             (Shading::Coarse(rates), Region::All) => rates.blocks(),
-            (Shading::Coarse(rates), Region::Cells(mask)) => {
-                rates.blocks_where(|s| mask.is_live(s))
-            }
+            (Shading::Coarse(rates), region) => rates.blocks_where(|s| region.is_live(s)),
         }
     }
 }

@@ -2,6 +2,8 @@ use std::sync::Arc;
 
 use glam::UVec2;
 
+use super::Spans;
+
 /// Which samples of a lattice are drawn.
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
@@ -10,6 +12,24 @@ pub enum Region {
     All,
     /// Those in live cells.
     Cells(CellMask),
+    /// A run of each row: those whose cells lie on the display, at least in part. So every pixel's own
+    /// cell is live. A sample whose middle lies beyond the display's edge is taken at the nearest point of
+    /// the edge (see [`SamplePlan::position`](super::SamplePlan::position)).
+    Spans(Spans),
+}
+
+impl Region {
+    /// Whether a sample of the lattice is drawn.
+    ///
+    /// # Panics
+    /// If there is no such sample.
+    pub fn is_live(&self, sample: UVec2) -> bool {
+        match self {
+            Self::All => true,
+            Self::Cells(mask) => mask.is_live(sample),
+            Self::Spans(spans) => spans.is_live(sample),
+        }
+    }
 }
 
 /// A lattice cut into equal cells (the last of a row or column may be cut short), each live or not.

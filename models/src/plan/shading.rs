@@ -9,6 +9,8 @@ use crate::ModelError;
 #[derive(Debug, Clone, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Shading {
+    /// Nowhere: only visibility is found, for other passes to share.
+    Nowhere,
     /// Once for each sample and each triangle visible in it.
     PerSample,
     /// Once for each block of samples and each triangle visible in it (variable-rate shading).

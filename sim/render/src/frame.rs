@@ -1,7 +1,7 @@
 use foveasim_assets::Scene;
 use foveasim_models::{
-    Image, Lattice, Map, Pass, Region, Resolve, SamplePlan, Shading, View, Viewport, Visibility,
-    Work,
+    Affine, Image, Lattice, Map, Pass, Region, Resolve, SamplePlan, Shading, View, Viewport,
+    Visibility, Work,
 };
 use glam::UVec2;
 
@@ -91,18 +91,39 @@ pub fn render_into(
         passes.push(samples.image);
         pass_work.push(work);
     }
+    Ok(put_together(
+        view,
+        plan,
+        passes,
+        pass_work,
+        drawn.shared,
+        options,
+        spare,
+    ))
+}
+
+/// The frame of passes that were drawn, each with its work; `shared` is work that they share.
+pub(crate) fn put_together(
+    view: &View,
+    plan: &SamplePlan,
+    passes: Vec<Image>,
+    pass_work: Vec<Work>,
+    shared: Work,
+    options: &RenderOptions,
+    spare: Vec<[f32; 3]>,
+) -> Frame {
     let (image, passes, resolve_work) = resolve::resolve(view, plan, passes, options, spare);
     let mut work = resolve_work;
-    work += drawn.shared;
+    work += shared;
     for w in &pass_work {
         work += *w;
     }
-    Ok(Frame {
+    Frame {
         image,
         work,
         pass_work,
         passes,
-    })
+    }
 }
 
 /// Refuses what cannot be drawn.
@@ -129,6 +150,7 @@ pub(crate) fn check(
             why,
         };
         check_pass(p, view).map_err(refuse)?;
+        check_sharing(plan, index).map_err(refuse)?;
         samples += p.lattice.samples();
     }
     if samples > MOST_SAMPLES {
@@ -246,14 +268,15 @@ fn check_pass(pass: &Pass, view: &View) -> Result<(), String> {
                 ));
             }
         }
+        Map::LogPolar(_) | Map::LensMatched(_) => {}
         other => return Err(format!("cannot draw a map of kind {other:?}")),
     }
-    let Visibility::Own(_) = pass.visibility else {
-        return Err(format!("cannot find visibility by {:?}", pass.visibility));
-    };
     let grid = live::grid(pass);
     match &pass.shading {
-        Shading::PerSample => {}
+        Shading::Nowhere | Shading::PerSample => {}
+        Shading::Coarse(_) if !matches!(pass.map, Map::Affine(_)) => {
+            return Err("its samples do not lie evenly: each must be shaded by itself".into());
+        }
         Shading::Coarse(rates) if rates.lattice() == grid => {}
         Shading::Coarse(rates) => {
             let other = rates.lattice();
@@ -270,6 +293,11 @@ fn check_pass(pass: &Pass, view: &View) -> Result<(), String> {
             let other = mask.lattice();
             return Err(format!("its region is for {other} samples, not for {grid}"));
         }
+        Region::Spans(spans) if spans.lattice() == grid => {}
+        Region::Spans(spans) => {
+            let other = spans.lattice();
+            return Err(format!("its region is for {other} samples, not for {grid}"));
+        }
         other => return Err(format!("cannot draw a region of kind {other:?}")),
     }
     if !(pass.offset.is_finite() && pass.offset.abs().max_element() <= 0.5) {
@@ -281,13 +309,54 @@ fn check_pass(pass: &Pass, view: &View) -> Result<(), String> {
     Ok(())
 }
 
+/// Passes that share visibility: with one that finds it for each pixel, in the same frames, while they are
+/// not affine themselves; and passes that are not shaded but for others.
+fn check_sharing(plan: &SamplePlan, index: usize) -> Result<(), String> {
+    let pass = &plan.passes[index];
+    match pass.visibility {
+        Visibility::Own(_) => {}
+        Visibility::Shared(other) if other >= index => {
+            return Err(format!(
+                "it shares the visibility of pass {other}: only an earlier one has it"
+            ));
+        }
+        Visibility::Shared(other) => {
+            let found = &plan.passes[other];
+            let fits = matches!(found.visibility, Visibility::Own(_))
+                && found.shading == Shading::Nowhere
+                && found.region == Region::All
+                && found.cadence == pass.cadence
+                && live::grid(found) == plan.display_px
+                && found.map == Map::Affine(Affine::IDENTITY);
+            if !fits || matches!(pass.map, Map::Affine(_)) {
+                return Err(format!(
+                    "to share the visibility of pass {other}, that one must find it for each display pixel, in the same frames and without shading, and this one must not lie evenly"
+                ));
+            }
+        }
+        other => return Err(format!("cannot find visibility by {other:?}")),
+    }
+    let shared = |p: &Pass| p.visibility == Visibility::Shared(index);
+    if pass.shading == Shading::Nowhere && !plan.passes.iter().any(shared) {
+        return Err("it is not shaded, and no other pass shares its visibility".into());
+    }
+    Ok(())
+}
+
 fn check_resolve(plan: &SamplePlan) -> Result<(), String> {
     let passes = plan.passes.len();
+    let evenly =
+        |p: &Pass| matches!((&p.map, &p.shading), (Map::Affine(_), s) if *s != Shading::Nowhere);
+    if !matches!(plan.resolve, Resolve::Inverse(_)) && !plan.passes.iter().all(evenly) {
+        return Err(
+            "passes that do not lie evenly, or are not shaded, need the inverse of a map".into(),
+        );
+    }
     match &plan.resolve {
         Resolve::Direct => {
             let whole = |p: &Pass| {
                 p.lattice == Lattice::Grid(plan.display_px)
-                    && p.map == Map::Affine(foveasim_models::Affine::IDENTITY)
+                    && p.map == Map::Affine(Affine::IDENTITY)
             };
             match plan.passes.as_slice() {
                 [only] if whole(only) => Ok(()),
@@ -318,6 +387,13 @@ fn check_resolve(plan: &SamplePlan) -> Result<(), String> {
         Resolve::Mosaic => match mosaic::uncovered(plan) {
             None => Ok(()),
             Some(px) => Err(format!("no pass has a live sample at pixel {px}")),
+        },
+        Resolve::Inverse(_) => match plan.passes.last() {
+            Some(last) if last.shading == Shading::Nowhere => {
+                Err("its last pass is not shaded".into())
+            }
+            Some(last) if last.live() > 0 => Ok(()),
+            _ => Err("its last pass has no samples".into()),
         },
         other => Err(format!("cannot resolve by {other:?}")),
     }

@@ -1,13 +1,13 @@
-use foveasim_models::{Affine, CellMask, Feather, Lattice, Map, Pass, Region, Resolve, SamplePlan};
+use foveasim_models::{Affine, Feather, Lattice, Map, Pass, Region, Resolve, SamplePlan};
 use foveasim_models::{Viewport, Work};
 use glam::{DVec2, DVec3, UVec2};
 
-use crate::tile::{BLOCK, LANES, LaneSet, SampleTile, TILE, position_of};
+use crate::tile::{BLOCK, BLOCKS_ACROSS, LANES, LaneSet, SampleTile, TILE, position_of};
 
 /// Which samples of a pass are drawn.
 #[derive(Debug)]
 pub(crate) struct Live<'a> {
-    region: Option<&'a CellMask>,
+    region: Option<&'a Region>,
     hidden: Option<Hidden<'a>>,
 }
 
@@ -33,10 +33,7 @@ impl<'a> Live<'a> {
         skip_hidden: bool,
     ) -> Self {
         let pass = &plan.passes[index];
-        let region = match &pass.region {
-            Region::Cells(mask) => Some(mask),
-            _ => None,
-        };
+        let region = Some(&pass.region).filter(|r| **r != Region::All);
         let hidden = match (&plan.resolve, pass.map) {
             (Resolve::Feather(feather), Map::Affine(map)) if skip_hidden => {
                 Hidden::new(plan, feather, index, optics, map)
@@ -57,8 +54,8 @@ impl<'a> Live<'a> {
             return;
         }
         let all = u64::from(tile.size.x) * u64::from(tile.size.y);
-        if let Some(mask) = self.region {
-            clear_dead(mask, tile, valid);
+        if let Some(region) = self.region {
+            clear_dead(region, tile, valid);
         }
         let live = samples(valid);
         work.samples_dead += all - live;
@@ -75,28 +72,46 @@ fn samples(valid: &[LaneSet]) -> u64 {
     valid.iter().map(|v| u64::from(v.count_ones())).sum()
 }
 
-/// Takes out what is dead. A block mostly lies in one cell, which is asked once.
-fn clear_dead(mask: &CellMask, tile: &SampleTile, valid: &mut [LaneSet]) {
-    for (block, lanes) in valid.iter_mut().enumerate() {
-        if *lanes == 0 {
-            continue;
-        }
-        let first = tile.origin + UVec2::from(position_of(block * LANES));
-        let last = (first + UVec2::from(BLOCK) - 1).min(tile.origin + tile.size - 1);
-        if first / mask.cell() == last / mask.cell() {
-            if !mask.is_live(first) {
-                *lanes = 0;
-            }
-            continue;
-        }
-        let asked = *lanes;
-        for lane in (0..LANES).filter(|lane| asked >> lane & 1 != 0) {
-            let sample = tile.origin + UVec2::from(position_of(block * LANES + lane));
-            if !mask.is_live(sample) {
-                *lanes &= !(1 << lane);
-            }
+/// Takes out what is dead.
+fn clear_dead(region: &Region, tile: &SampleTile, valid: &mut [LaneSet]) {
+    for y in 0..tile.size.y {
+        let live = live_in_row(region, tile, y);
+        let first = (y / BLOCK[1] * BLOCKS_ACROSS) as usize;
+        let blocks = &mut valid[first..first + BLOCKS_ACROSS as usize];
+        for (k, lanes) in blocks.iter_mut().enumerate() {
+            let four = (live >> (BLOCK[0] as usize * k)) as LaneSet & 0xf;
+            let shift = y % BLOCK[1] * BLOCK[0];
+            *lanes &= !(0xf << shift) | four << shift;
         }
     }
+}
+
+/// The live samples of a row of a tile, one bit for each.
+fn live_in_row(region: &Region, tile: &SampleTile, y: u32) -> u64 {
+    let below = |x: u32| u64::MAX.checked_shr(TILE - x.min(TILE)).unwrap_or(0);
+    if let Region::Spans(spans) = region {
+        let live = spans.row(tile.origin.y + y);
+        let [start, end] = [live.start, live.end].map(|x| {
+            let x = x.saturating_sub(tile.origin.x);
+            below(x.min(tile.size.x))
+        });
+        return end & !start;
+    }
+    // Samples of one cell are alike.
+    let cell = match region {
+        Region::Cells(mask) => mask.cell().x,
+        _ => 1,
+    };
+    let (mut live, mut x) = (0, 0);
+    while x < tile.size.x {
+        let next = ((tile.origin.x + x) / cell + 1) * cell - tile.origin.x;
+        let end = next.min(tile.size.x);
+        if region.is_live(tile.origin + UVec2::new(x, y)) {
+            live |= below(end) & !below(x);
+        }
+        x = end;
+    }
+    live
 }
 
 impl<'a> Hidden<'a> {

@@ -47,6 +47,9 @@ pub struct Skip {
     /// Resolving samples that no edge crosses, where samples have several positions of visibility. The
     /// picture is the same, bit for bit.
     pub whole_samples: bool,
+    /// Choosing objects and transforming vertices for each of two eyes anew
+    /// (see [`render_stereo`](crate::render_stereo)). The pictures are the same, bit for bit.
+    pub repeated_for_eyes: bool,
 }
 
 impl Skip {
@@ -58,6 +61,7 @@ impl Skip {
         hidden: true,
         repeated_vertices: true,
         whole_samples: true,
+        repeated_for_eyes: true,
     };
     /// Nothing.
     pub const NONE: Self = Self {
@@ -67,16 +71,18 @@ impl Skip {
         hidden: false,
         repeated_vertices: false,
         whole_samples: false,
+        repeated_for_eyes: false,
     };
 
     /// The parts' names, as users write them.
-    pub const NAMES: [&str; 6] = [
+    pub const NAMES: [&str; 7] = [
         "back-faces",
         "outside",
         "occluded",
         "hidden",
         "repeated-vertices",
         "whole-samples",
+        "repeated-for-eyes",
     ];
 
     fn part(&mut self, name: &str) -> Option<&mut bool> {
@@ -87,6 +93,7 @@ impl Skip {
             "hidden" => &mut self.hidden,
             "repeated-vertices" => &mut self.repeated_vertices,
             "whole-samples" => &mut self.whole_samples,
+            "repeated-for-eyes" => &mut self.repeated_for_eyes,
             _ => return None,
         })
     }
@@ -115,8 +122,8 @@ impl FromStr for Skip {
 
 /// What a list of parts to skip is made of.
 const VALID: [&str; Skip::NAMES.len() + 2] = {
-    let [a, b, c, d, e, f] = Skip::NAMES;
-    ["all", "none", a, b, c, d, e, f]
+    let [a, b, c, d, e, f, g] = Skip::NAMES;
+    ["all", "none", a, b, c, d, e, f, g]
 };
 
 impl Default for Skip {

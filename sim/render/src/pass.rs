@@ -1,21 +1,30 @@
+mod share;
+
+pub(crate) use share::find_shared;
+
 use foveasim_assets::Scene;
-use foveasim_models::{Image, Map, Msaa, Pass, SamplePlan, View, Visibility, Work};
+use foveasim_models::{Affine, Image, Map, Msaa, Pass, SamplePlan, View, Visibility, Work};
 use glam::UVec2;
 use rayon::prelude::*;
 
 use crate::fragments::{Collect, Fragments, Rates};
-use crate::kernels::{Attributes, Details, RasterizeTile, ShadeContext, ShadeTile, dispatch};
+use crate::kernels::{
+    Attributes, Details, RasterizePlaced, RasterizeTile, ShadeContext, ShadeTile, dispatch,
+};
 use crate::live::{Live, grid};
 use crate::msaa::offsets;
-use crate::project::Projection;
+use crate::placed::PlacedTile;
+use crate::placement::Placement;
+use crate::project::{Projection, SUBSAMPLES};
 use crate::raster::{
     EyeVertex, Needs, PassTriangles, SetUp, SetUpTriangle, ViewGeometry, attributes, details,
     set_up, vertices,
 };
+use crate::shared::{LookUp, SharedVisibility};
 use crate::tile::{
     BLOCK, LANES, LaneSet, SampleTile, TILE, TILE_SAMPLES, TileBuffers, position_of, sampled,
 };
-use crate::visible::PassObjects;
+use crate::visible::{PassObjects, geometry};
 use crate::{RenderError, RenderOptions};
 
 /// What one sample sees.
@@ -64,8 +73,8 @@ pub fn visibility_at(
         return Ok(Vec::new());
     }
     let objects = PassObjects::of(scene, view, plan, pass, options);
-    let geometry = objects.geometry(scene, view, options);
-    let drawing = Drawing::new(scene, view, plan, pass, &geometry, &objects, options);
+    let geometry = geometry(scene, view, &objects.named, options);
+    let drawing = Drawing::new(scene, view, plan, pass, &geometry, &objects, options, None);
     let mut surfels = vec![None; size.x as usize * size.y as usize];
     let mut scratch = Scratch::new(&drawing);
     for (x, y) in tiles(size) {
@@ -114,6 +123,18 @@ pub(crate) fn check_position(
     })
 }
 
+/// At how many positions of each sample visibility is found in pass `index`, or in the pass it shares.
+pub(crate) fn msaa(plan: &SamplePlan, index: usize) -> Msaa {
+    let finder = match plan.passes[index].visibility {
+        Visibility::Shared(other) => other,
+        _ => index,
+    };
+    match plan.passes[finder].visibility {
+        Visibility::Own(msaa) => msaa,
+        _ => unreachable!("only what its own pass finds passes the checks"),
+    }
+}
+
 /// The drawn samples of a pass, row by row.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct PassSamples {
@@ -136,6 +157,19 @@ pub(crate) struct PassMemory {
     pub(crate) instance: Vec<u32>,
 }
 
+impl PassSamples {
+    /// Of a pass that is not shaded.
+    pub(crate) const NONE: Self = Self {
+        image: Image {
+            size: UVec2::ZERO,
+            rgb: Vec::new(),
+        },
+        inverse_w: Vec::new(),
+        instance: Vec::new(),
+        all_drawn: true,
+    };
+}
+
 /// Draws pass `index` of a plan: what each of its samples sees, and the work it took. `memory` is
 /// used for them, where it fits.
 pub(crate) fn draw(
@@ -147,6 +181,7 @@ pub(crate) fn draw(
     objects: &PassObjects,
     options: &RenderOptions,
     keep_geometry: bool,
+    shared: Option<&SharedVisibility>,
     memory: PassMemory,
 ) -> (PassSamples, Work) {
     let pass = &plan.passes[index];
@@ -166,7 +201,7 @@ pub(crate) fn draw(
     if count == 0 {
         return (samples, Work::default());
     }
-    let drawing = Drawing::new(scene, view, plan, index, geometry, objects, options);
+    let drawing = Drawing::new(scene, view, plan, index, geometry, objects, options, shared);
     let context = ShadeContext::new(scene, view.poses[0], &drawing.projection, options.footprint);
     let mut work = drawing.work;
     work.passes = 1;
@@ -198,7 +233,10 @@ pub(crate) fn draw(
         .map_init(
             || Scratch::new(&drawing),
             |scratch, ((x, y), mut rows, mut geometry)| {
-                let tile = SampleTile::of(pass, x, y);
+                let tile = SampleTile {
+                    map: drawing.map,
+                    ..SampleTile::of(pass, x, y)
+                };
                 let work = drawing.draw_tile(&context, &tile, &mut rows, scratch);
                 drawing.copy_geometry(scratch, &mut geometry);
                 work
@@ -240,7 +278,12 @@ struct Drawing<'a> {
     msaa: Msaa,
     rates: Rates<'a>,
     live: Live<'a>,
-    triangles: PassTriangles,
+    source: Source<'a>,
+    /// Where samples are, if they do not lie evenly.
+    placement: Option<&'a Placement>,
+    grid: UVec2,
+    /// From what shading is told of samples' positions to the display.
+    map: Map,
     /// For each material, what it reads of a triangle.
     needs: Vec<Needs>,
     /// Whether anything may read a triangle's details.
@@ -248,9 +291,21 @@ struct Drawing<'a> {
     work: Work,
 }
 
+/// Where visibility comes from.
+enum Source<'a> {
+    /// These triangles.
+    Own(PassTriangles),
+    /// A pass drawn before.
+    Shared(&'a SharedVisibility),
+}
+
 /// Memory that a worker uses for one tile after the other.
 struct Scratch {
     buffers: TileBuffers,
+    placed: Option<PlacedTile>,
+    look_up: LookUp,
+    /// Numbers of the triangles, where a later pass shares what is visible.
+    numbers: Vec<u32>,
     /// Those that meet the tile.
     triangles: Vec<SetUpTriangle>,
     fragments: Fragments,
@@ -267,6 +322,9 @@ impl Scratch {
     fn new(drawing: &Drawing<'_>) -> Self {
         Self {
             buffers: TileBuffers::new(drawing.msaa.positions() as usize),
+            placed: drawing.placement.map(|p| PlacedTile::new(p.positions())),
+            look_up: LookUp::default(),
+            numbers: Vec::new(),
             triangles: Vec::new(),
             fragments: Fragments::new(drawing.scene.materials().len()),
             corners: Vec::new(),
@@ -278,12 +336,23 @@ impl Scratch {
     }
 }
 
-/// The projection of a pass: onto the positions where its samples are taken.
+/// The projection of a pass: onto the positions where its samples are taken, if these lie evenly; else onto
+/// the display's own grid, on which they are then placed.
 pub(crate) fn projection(view: &View, pass: &Pass, options: &RenderOptions) -> Projection {
-    let Map::Affine(map) = sampled(pass) else {
-        unreachable!("only affine maps pass the checks")
+    let (map, size) = match sampled(pass) {
+        Map::Affine(map) => (map, grid(pass)),
+        _ => (Affine::IDENTITY, view.optics.size),
     };
-    Projection::new(&view.optics, &map, grid(pass), options.near_m)
+    Projection::new(&view.optics, &map, size, options.near_m)
+}
+
+/// How far from the middle of a sample of its [`projection`] visibility may be asked for in a pass
+/// [sub-samples].
+pub(crate) fn reach(pass: &Pass, msaa: Msaa) -> i32 {
+    match pass.map {
+        Map::Affine(_) => offsets::reach(msaa),
+        _ => SUBSAMPLES / 2,
+    }
 }
 
 impl<'a> Drawing<'a> {
@@ -293,23 +362,33 @@ impl<'a> Drawing<'a> {
         plan: &'a SamplePlan,
         index: usize,
         geometry: &'a ViewGeometry,
-        objects: &PassObjects,
+        objects: &'a PassObjects,
         options: &'a RenderOptions,
+        shared: Option<&'a SharedVisibility>,
     ) -> Self {
         let pass = &plan.passes[index];
-        let projection = projection(view, pass, options);
-        let Visibility::Own(msaa) = pass.visibility else {
-            unreachable!("only visibility of its own passes the checks")
+        let finder = match pass.visibility {
+            Visibility::Shared(other) => &plan.passes[other],
+            _ => pass,
         };
-        let pass_set_up = SetUp {
-            scene,
-            geometry,
-            projection: &projection,
-            options,
-            reach: offsets::reach(msaa),
+        let projection = projection(view, finder, options);
+        let msaa = msaa(plan, index);
+        let (source, work) = match shared {
+            Some(shared) => (Source::Shared(shared), Work::default()),
+            None => {
+                let pass_set_up = SetUp {
+                    scene,
+                    geometry,
+                    projection: &projection,
+                    options,
+                    reach: reach(pass, msaa),
+                };
+                let order = objects.in_geometry(geometry);
+                let (triangles, mut work) = set_up(&pass_set_up, &order);
+                work += objects.work;
+                (Source::Own(triangles), work)
+            }
         };
-        let (triangles, mut work) = set_up(&pass_set_up, &objects.in_geometry(geometry));
-        work += objects.work;
         let needs: Vec<_> = scene.materials().iter().map(Needs::of).collect();
         let rates = Rates::of(&pass.shading);
         Self {
@@ -323,7 +402,11 @@ impl<'a> Drawing<'a> {
                 || needs.iter().any(|n| n.object || n.uv),
             rates,
             live: Live::new(plan, index, &view.optics, options.skip.hidden),
-            triangles,
+            source,
+            placement: objects.placement.as_ref(),
+            grid: grid(pass),
+            // Samples of another pass are where that one took them.
+            map: sampled(finder),
             needs,
             work,
         }
@@ -335,7 +418,7 @@ impl<'a> Drawing<'a> {
         tile: &SampleTile,
         buffers: &TileBuffers,
     ) -> impl Iterator<Item = (usize, usize)> {
-        let (origin, across) = (tile.origin, self.projection.size.x as usize);
+        let (origin, across) = (tile.origin, self.grid.x as usize);
         let positions = self.msaa.positions() as usize;
         (0..TILE_SAMPLES)
             .filter(|i| buffers.valid[i / LANES] >> (i % LANES) & 1 != 0)
@@ -352,9 +435,35 @@ impl<'a> Drawing<'a> {
             scratch.triangles.clear();
             return false;
         }
+        let simd = self.options.simd;
+        if let (Some(placement), Some(placed)) = (self.placement, &mut scratch.placed) {
+            placement.place(tile, simd, placed);
+            let triangles = match &self.source {
+                Source::Own(triangles) => triangles,
+                Source::Shared(shared) => {
+                    let (triangles, look_up) = (&mut scratch.triangles, &mut scratch.look_up);
+                    shared.look_up(placed, &mut scratch.buffers, triangles, look_up);
+                    return true;
+                }
+            };
+            placed.find_boxes(&scratch.buffers.valid);
+            triangles.around(placed, &mut scratch.triangles);
+            let kernel = RasterizePlaced {
+                placed,
+                triangles: &scratch.triangles,
+                objects: &self.geometry.objects,
+                skip_occluded: self.options.skip.occluded,
+                buffers: &mut scratch.buffers,
+                work,
+            };
+            dispatch(simd, kernel);
+            return true;
+        }
+        let Source::Own(triangles) = &self.source else {
+            unreachable!("only passes with a placement share visibility")
+        };
         let place = tile.origin / TILE;
-        self.triangles
-            .tile(place.x, place.y, &mut scratch.triangles);
+        triangles.tile(place.x, place.y, &mut scratch.triangles);
         let kernel = RasterizeTile {
             tile,
             triangles: &scratch.triangles,
@@ -364,7 +473,7 @@ impl<'a> Drawing<'a> {
             buffers: &mut scratch.buffers,
             work,
         };
-        dispatch(self.options.simd, kernel);
+        dispatch(simd, kernel);
         true
     }
 
@@ -386,13 +495,14 @@ impl<'a> Drawing<'a> {
         }
         let Scratch {
             buffers,
+            placed,
             triangles,
             fragments,
             corners,
             attributes: prepared,
             details: detailed,
             edges,
-            instances: _,
+            ..
         } = scratch;
         let collect = Collect {
             fragments,
@@ -449,6 +559,7 @@ impl<'a> Drawing<'a> {
             let kernel = ShadeTile {
                 context,
                 tile,
+                placed: placed.as_ref(),
                 bucket,
                 needs: bucket.checked_sub(1).map_or(nothing, |m| self.needs[m]),
                 fragments,

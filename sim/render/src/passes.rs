@@ -1,9 +1,11 @@
 use foveasim_assets::Scene;
-use foveasim_models::{SamplePlan, View, Work};
+use foveasim_models::{SamplePlan, Shading, View, Visibility, Work};
 
 use crate::RenderOptions;
-use crate::pass::{PassMemory, PassSamples, draw};
-use crate::visible::PassObjects;
+use crate::pass::{PassMemory, PassSamples, draw, find_shared};
+use crate::raster::ViewGeometry;
+use crate::shared::SharedVisibility;
+use crate::visible::{PassObjects, geometry};
 
 /// What was drawn of a plan.
 #[derive(Debug)]
@@ -25,15 +27,60 @@ pub(crate) fn draw_passes(
     keep_geometry: bool,
     memory: Vec<PassMemory>,
 ) -> Drawn {
-    let objects: Vec<_> = due
-        .iter()
-        .enumerate()
-        .map(|(k, due)| due.then(|| PassObjects::of(scene, view, plan, k, options)))
-        .collect();
+    let objects = objects_of(plan, due, |k| {
+        PassObjects::of(scene, view, plan, k, options)
+    });
+    let geometry = |named: &[(u32, u32)]| geometry(scene, view, named, options);
+    draw_objects(
+        scene,
+        view,
+        plan,
+        &objects,
+        &geometry,
+        options,
+        keep_geometry,
+        memory,
+    )
+}
+
+/// The objects of each pass that is due; `find` finds those of a pass that finds its own visibility.
+pub(crate) fn objects_of(
+    plan: &SamplePlan,
+    due: &[bool],
+    mut find: impl FnMut(usize) -> PassObjects,
+) -> Vec<Option<PassObjects>> {
+    let mut objects: Vec<Option<PassObjects>> = Vec::with_capacity(due.len());
+    for (k, due) in due.iter().enumerate() {
+        let of_pass = due.then(|| match plan.passes[k].visibility {
+            // Checked: an earlier pass, in the same frames.
+            Visibility::Shared(other) => {
+                let found = objects[other].as_ref();
+                found.map(|found| found.seen_by(plan, k))
+            }
+            _ => Some(find(k)),
+        });
+        objects.push(of_pass.flatten());
+    }
+    objects
+}
+
+/// Draws the passes of a plan that have objects. `geometry` transforms the vertices of instances and
+/// meshes: of all at once, unless each pass is to repeat that.
+pub(crate) fn draw_objects(
+    scene: &Scene,
+    view: &View,
+    plan: &SamplePlan,
+    objects: &[Option<PassObjects>],
+    geometry: &dyn Fn(&[(u32, u32)]) -> ViewGeometry,
+    options: &RenderOptions,
+    keep_geometry: bool,
+    memory: Vec<PassMemory>,
+) -> Drawn {
     let shared = options
         .skip
         .repeated_vertices
-        .then(|| PassObjects::shared(objects.iter().flatten(), scene, view, options));
+        .then(|| geometry(&PassObjects::all(objects.iter().flatten())));
+    let mut found: Vec<Option<SharedVisibility>> = objects.iter().map(|_| None).collect();
     let mut memory = memory.into_iter();
     let passes = objects.iter().enumerate().map(|(k, objects)| {
         let memory = memory.next().unwrap_or_default();
@@ -42,21 +89,32 @@ pub(crate) fn draw_passes(
         let geometry = match &shared {
             Some(geometry) => geometry,
             None => {
-                own = objects.geometry(scene, view, options);
+                own = geometry(&objects.named);
                 &own
             }
         };
-        let (samples, mut work) = draw(
-            scene,
-            view,
-            plan,
-            k,
-            geometry,
-            objects,
-            options,
-            keep_geometry,
-            memory,
-        );
+        let (samples, mut work) = if plan.passes[k].shading == Shading::Nowhere {
+            let (visibility, work) = find_shared(scene, view, plan, k, geometry, objects, options);
+            found[k] = Some(visibility);
+            (PassSamples::NONE, work)
+        } else {
+            let seen = match plan.passes[k].visibility {
+                Visibility::Shared(other) => found[other].as_ref(),
+                _ => None,
+            };
+            draw(
+                scene,
+                view,
+                plan,
+                k,
+                geometry,
+                objects,
+                options,
+                keep_geometry,
+                seen,
+                memory,
+            )
+        };
         if shared.is_none() {
             work += geometry.work;
         }

@@ -182,16 +182,18 @@ impl Projection {
         .map(DVec3::normalize)
     }
 
-    /// Whether a sphere (centre x, y, w in eye space) lies wholly outside the view of this pass.
-    pub(crate) fn misses_sphere(&self, centre: DVec3, radius: f64) -> bool {
+    /// Beyond which sides of the view of this pass a sphere (centre x, y, w in eye space) lies wholly: a bit for
+    /// the near plane, and one for each [side](Self::side_planes).
+    pub(crate) fn sides_missed(&self, centre: DVec3, radius: f64) -> u8 {
         // A sample's worth of slack is far below a thousandth of any radius that matters; rounding
         // of eye coordinates to f32 is below 1e-6 of the distance.
         let reach = radius * 1.001 + centre.length() * 1e-6;
-        centre.z + reach < self.near
-            || self
-                .side_planes()
-                .iter()
-                .any(|plane| plane.dot(centre) < -reach)
+        let sides = self.side_planes().map(|plane| plane.dot(centre) < -reach);
+        let mut missed = u8::from(centre.z + reach < self.near);
+        for (k, is_missed) in sides.into_iter().enumerate() {
+            missed |= u8::from(is_missed) << (k + 1);
+        }
+        missed
     }
 }
 

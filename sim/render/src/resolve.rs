@@ -3,6 +3,7 @@ use glam::UVec2;
 use rayon::prelude::*;
 
 use crate::feather::{Layer, ResolveRow, RowScratch};
+use crate::inverse::invert;
 use crate::kernels::dispatch;
 use crate::mosaic::mosaic;
 use crate::{RenderOptions, Simd};
@@ -26,6 +27,16 @@ pub(crate) fn resolve(
         }
         Resolve::Mosaic => {
             let (image, work) = mosaic(plan, &passes, room(plan.display_px, spare));
+            if !options.keep_passes {
+                passes.clear();
+            }
+            (image, passes, work)
+        }
+        Resolve::Inverse(filter) => {
+            let Some(last) = passes.last() else {
+                unreachable!("a plan without passes does not pass the checks")
+            };
+            let (image, work) = invert(plan, filter, last, options.simd);
             if !options.keep_passes {
                 passes.clear();
             }

@@ -53,16 +53,17 @@ impl SampleTile {
         }
     }
 
-    /// The map of a tile whose samples lie evenly.
+    /// From where shading takes its samples to be, to display pixels. Samples that do not lie evenly are
+    /// where their [placement](crate::placement::Placement) says, in display pixels.
     pub(crate) fn affine(&self) -> Affine {
         match self.map {
             Map::Affine(map) => map,
-            other => unreachable!("no kernel for {other:?}"),
+            _ => Affine::IDENTITY,
         }
     }
 }
 
-/// The map of a pass with its shift: where samples are taken, not what they stand for.
+/// The map of a pass with its shift, if its samples lie evenly: where they are taken, not what they stand for.
 pub(crate) fn sampled(pass: &Pass) -> Map {
     match pass.map {
         Map::Affine(map) => Map::Affine(Affine {

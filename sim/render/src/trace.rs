@@ -6,11 +6,12 @@ use rayon::prelude::*;
 use crate::bvh::{Aabb, Bvh};
 use crate::live::{Live, grid};
 use crate::msaa::offsets;
-use crate::pass::{check_position, projection};
+use crate::pass::{check_position, projection, reach};
+use crate::placed::PlacedTile;
 use crate::project::{GUARD_SAMPLES, Projection, SUBSAMPLES};
 use crate::raster::{SetUp, SetUpTriangle, ViewGeometry, set_up};
 use crate::tile::{LANES, LaneSet, SampleTile, TILE, TILE_SAMPLES, position_of};
-use crate::visible::PassObjects;
+use crate::visible::{PassObjects, geometry};
 use crate::{RenderError, RenderOptions, Skip, Surfel};
 
 /// As [`visibility_at`](crate::visibility_at), by casting a ray for each sample: no tiles, no lanes,
@@ -46,7 +47,7 @@ pub fn trace(
         ..*options
     };
     let objects = PassObjects::of(scene, view, plan, pass, &options);
-    let geometry = objects.geometry(scene, view, &options);
+    let geometry = geometry(scene, view, &objects.named, &options);
     let projection = projection(view, &plan.passes[pass], &options);
     let Visibility::Own(msaa) = plan.passes[pass].visibility else {
         unreachable!("only visibility of its own passes the checks")
@@ -56,7 +57,7 @@ pub fn trace(
         geometry: &geometry,
         projection: &projection,
         options: &options,
-        reach: offsets::reach(msaa),
+        reach: reach(&plan.passes[pass], msaa),
     };
     let (triangles, _) = set_up(&pass_set_up, &objects.in_geometry(&geometry));
     let triangles: Vec<SetUpTriangle> = triangles.iter().copied().collect();
@@ -83,9 +84,18 @@ pub fn trace(
         .map(|index| {
             let (x, y) = (index % across, index / across);
             let tile = SampleTile::of(&plan.passes[pass], x, y);
+            let placed = objects.placement.as_ref().map(|placement| {
+                let mut placed = PlacedTile::new(placement.positions());
+                placement.place(&tile, options.simd, &mut placed);
+                placed
+            });
+            let at = |sample: UVec2| match &placed {
+                None => middle(sample, offset),
+                Some(placed) => placed.position(sample - tile.origin, position),
+            };
             let drawn = drawn(&tile, &live);
             drawn
-                .map(|s| (s, tracer.nearest(s, offset)))
+                .map(|s| (s, tracer.nearest(at(s))))
                 .collect::<Vec<_>>()
         })
         .collect();
@@ -143,6 +153,11 @@ fn bounds(t: &SetUpTriangle, scene: &Scene, geometry: &ViewGeometry, margin: DVe
     }
 }
 
+/// The position `offset` sub-samples from the middle of a sample.
+fn middle(sample: UVec2, offset: [i32; 2]) -> [i32; 2] {
+    [0, 1].map(|k| sample[k] as i32 * SUBSAMPLES + SUBSAMPLES / 2 + offset[k])
+}
+
 struct Tracer<'a> {
     bvh: Bvh,
     boxes: Vec<Aabb>,
@@ -159,9 +174,8 @@ struct Nearest {
 }
 
 impl Tracer<'_> {
-    /// What a sample sees at a position `offset` sub-samples from its middle.
-    fn nearest(&self, sample: UVec2, offset: [i32; 2]) -> Option<Surfel> {
-        let at = [0, 1].map(|k| sample[k] as i32 * SUBSAMPLES + SUBSAMPLES / 2 + offset[k]);
+    /// What is seen at a position of the projection's lattice [sub-samples].
+    fn nearest(&self, at: [i32; 2]) -> Option<Surfel> {
         let lattice = DVec2::new(at[0].into(), at[1].into()) / f64::from(SUBSAMPLES);
         let tangent = self.projection.tangent(lattice);
         let mut nearest = Nearest::default();

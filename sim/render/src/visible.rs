@@ -1,10 +1,13 @@
-use foveasim_assets::{Detail, Scene};
-use foveasim_models::{Resolve, SamplePlan, View, Work};
+use foveasim_assets::{Detail, LodRule, Scene};
+use foveasim_models::math::sqrt;
+use foveasim_models::{Pose, Resolve, SamplePlan, View, Viewport, Work};
+use glam::{DVec2, DVec3};
 
 use crate::RenderOptions;
 use crate::pass::projection;
-use crate::project::Optics;
-use crate::raster::{ViewGeometry, bounds};
+use crate::placement::Placement;
+use crate::project::{Optics, Projection};
+use crate::raster::{Bounds, ViewGeometry, bounds};
 
 /// The instances that may be visible in a pass, each with the mesh drawn for it: nearest first, so that
 /// what hides comes before what is hidden.
@@ -14,6 +17,88 @@ pub(crate) struct PassObjects {
     pub(crate) named: Vec<(u32, u32)>,
     /// Triangles that were left out.
     pub(crate) work: Work,
+    /// Where the samples of the pass lie, if not evenly.
+    pub(crate) placement: Option<Placement>,
+}
+
+/// A pass of one view, as far as the choice of its objects depends on it.
+struct Sight<'a> {
+    view: &'a View,
+    eye_from_world: Pose,
+    projection: Projection,
+    placement: Option<Placement>,
+    outermost: bool,
+}
+
+impl<'a> Sight<'a> {
+    fn new(view: &'a View, plan: &SamplePlan, pass: usize, options: &RenderOptions) -> Self {
+        Self {
+            view,
+            eye_from_world: view.poses[0].inverse(),
+            projection: projection(view, &plan.passes[pass], options),
+            placement: Placement::of(plan, pass),
+            // The outermost of several layers has a curve of its own; parts of a mosaic are no layers.
+            outermost: matches!(plan.resolve, Resolve::Feather(_))
+                && pass > 0
+                && pass + 1 == plan.passes.len(),
+        }
+    }
+
+    /// The least width of a sample that may show anything of instance `index`, as a tangent.
+    fn sample_tan(&self, scene: &Scene, index: usize, eye: DVec3) -> f64 {
+        let step = self.projection.tangent_step().abs().min_element();
+        let Some(placement) = &self.placement else {
+            return step;
+        };
+        let finest = Detail {
+            rule: LodRule::Finest,
+            outermost: self.outermost,
+            sample_tan: step,
+        };
+        let finest = scene.mesh_for(index, eye, finest);
+        let at = bounds(scene, index, finest, self.eye_from_world);
+        step * least_step(&self.view.optics, placement, &at)
+    }
+}
+
+/// The instances that may be visible in any of the passes `shown`, each with the mesh for all `passes`, which
+/// are seen from `eye` or so; and the triangles left out.
+fn choose(
+    scene: &Scene,
+    passes: &[Sight<'_>],
+    shown: &[Sight<'_>],
+    eye: DVec3,
+    options: &RenderOptions,
+) -> (Vec<(u32, u32)>, Work) {
+    let mut found = Vec::new();
+    let mut work = Work::default();
+    for index in 0..scene.instances().len() {
+        let widths = passes.iter().map(|p| p.sample_tan(scene, index, eye));
+        let detail = Detail {
+            rule: options.lod,
+            outermost: passes.iter().all(|p| p.outermost),
+            sample_tan: widths.fold(f64::INFINITY, f64::min),
+        };
+        let mesh = scene.mesh_for(index, eye, detail);
+        let mut missed = u8::MAX;
+        let mut nearest = f64::INFINITY;
+        for pass in shown {
+            let at = bounds(scene, index, mesh, pass.eye_from_world);
+            missed &= pass.projection.sides_missed(at.centre, at.radius);
+            nearest = nearest.min(at.centre.length() - at.radius);
+        }
+        // Beyond the same side of all of them: outside of what holds them all.
+        if options.skip.outside && missed != 0 {
+            let triangles = scene.meshes()[mesh].triangles().len() as u64;
+            work.triangles += triangles;
+            work.triangles_outside += triangles;
+            continue;
+        }
+        found.push((nearest, (index as u32, mesh as u32)));
+    }
+    // Stable: of equal distances, the first in the scene.
+    found.sort_by(|a, b| a.0.total_cmp(&b.0));
+    (found.into_iter().map(|(_, name)| name).collect(), work)
 }
 
 impl PassObjects {
@@ -24,56 +109,60 @@ impl PassObjects {
         pass: usize,
         options: &RenderOptions,
     ) -> Self {
-        let eye_from_world = view.poses[0].inverse();
-        let projection = projection(view, &plan.passes[pass], options);
-        let detail = Detail {
-            rule: options.lod,
-            // The outermost of several layers has a curve of its own; parts of a mosaic are no layers.
-            outermost: matches!(plan.resolve, Resolve::Feather(_))
-                && pass > 0
-                && pass + 1 == plan.passes.len(),
-            sample_tan: projection.tangent_step().abs().min_element(),
-        };
-        let mut found = Vec::new();
-        let mut work = Work::default();
-        for index in 0..scene.instances().len() {
-            let mesh = scene.mesh_for(index, view.poses[0].position, detail);
-            let at = bounds(scene, index, mesh, eye_from_world);
-            if options.skip.outside && projection.misses_sphere(at.centre, at.radius) {
-                let triangles = scene.meshes()[mesh].triangles().len() as u64;
-                work.triangles += triangles;
-                work.triangles_outside += triangles;
-                continue;
-            }
-            found.push((at.centre.length() - at.radius, (index as u32, mesh as u32)));
+        let sight = [Sight::new(view, plan, pass, options)];
+        let (named, work) = choose(scene, &sight, &sight, view.poses[0].position, options);
+        let [Sight { placement, .. }] = sight;
+        Self {
+            named,
+            work,
+            placement,
         }
-        // Stable: of equal distances, the first in the scene.
-        found.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let named = found.into_iter().map(|(_, name)| name).collect();
-        Self { named, work }
     }
 
-    /// The geometry of this pass alone.
-    pub(crate) fn geometry(
-        &self,
+    /// Of two eyes about `head`, which see each object at the same detail: the finer that either needs. With
+    /// `together`, one list holds what either may see, and the work of making it stands with the first;
+    /// else each eye has its own.
+    pub(crate) fn of_eyes(
         scene: &Scene,
-        view: &View,
+        views: [&View; 2],
+        plans: [&SamplePlan; 2],
+        pass: usize,
+        head: DVec3,
         options: &RenderOptions,
-    ) -> ViewGeometry {
-        geometry(scene, view, &self.named, options)
+        together: bool,
+    ) -> [Self; 2] {
+        let sights = [0, 1].map(|k| Sight::new(views[k], plans[k], pass, options));
+        let (first, second) = if together {
+            let (named, work) = choose(scene, &sights, &sights, head, options);
+            ((named.clone(), work), (named, Work::default()))
+        } else {
+            let alone = |k: usize| choose(scene, &sights, &sights[k..=k], head, options);
+            (alone(0), alone(1))
+        };
+        let [left, right] = sights.map(|sight| sight.placement);
+        let objects = |(named, work), placement| Self {
+            named,
+            work,
+            placement,
+        };
+        [objects(first, left), objects(second, right)]
     }
 
-    /// The geometry that several passes share.
-    pub(crate) fn shared<'a>(
-        passes: impl Iterator<Item = &'a Self>,
-        scene: &Scene,
-        view: &View,
-        options: &RenderOptions,
-    ) -> ViewGeometry {
+    /// What a pass sees that shares the visibility of another one, whose objects are `self`.
+    pub(crate) fn seen_by(&self, plan: &SamplePlan, pass: usize) -> Self {
+        Self {
+            named: self.named.clone(),
+            work: Work::default(),
+            placement: Placement::of(plan, pass),
+        }
+    }
+
+    /// All that several passes see, each once.
+    pub(crate) fn all<'a>(passes: impl Iterator<Item = &'a Self>) -> Vec<(u32, u32)> {
         let mut named: Vec<_> = passes.flat_map(|p| p.named.iter().copied()).collect();
         named.sort_unstable();
         named.dedup();
-        geometry(scene, view, &named, options)
+        named
     }
 
     /// Where the objects of this pass are in `geometry`, which holds all of them.
@@ -92,7 +181,24 @@ impl PassObjects {
     }
 }
 
-fn geometry(
+/// The least step between samples \[px\] where anything within these bounds may be seen: a point of
+/// them at offset d from the centre c has tangents that differ by |d_x·c_w − c_x·d_w| / (c_w·(c_w + d_w)),
+/// at most r·√(1 + t²)/(c_w − r) for tangent t of the centre.
+fn least_step(optics: &Viewport, placement: &Placement, at: &Bounds) -> f64 {
+    let room = at.centre.z - at.radius;
+    if room <= 0.0 {
+        return 1.0;
+    }
+    let step = optics.pixel_tan();
+    let tangent = at.centre.truncate() / at.centre.z;
+    let px = optics.axis_px() + DVec2::new(tangent.x / step.x, -tangent.y / step.y);
+    let reach = |t: f64, step: f64| at.radius / room * sqrt(1.0 + t * t) / step;
+    let (across, down) = (reach(tangent.x, step.x), reach(tangent.y, step.y));
+    placement.least_step(px, sqrt(across * across + down * down))
+}
+
+/// The geometry of these instances and meshes for one view.
+pub(crate) fn geometry(
     scene: &Scene,
     view: &View,
     named: &[(u32, u32)],

@@ -1,19 +1,24 @@
 //! Studies: where models, traces, pipeline, renderer, metrics and reports meet.
 //!
 //! * [`Sweep`]: sample counts over displays, methods, acuity, gaze and margins;
+//! * [`SpacingStudy`]: how far apart every method's samples lie, and the kernel that needs the fewest;
 //! * [`LatencyStudy`]: gaze-to-photon time, simulated and bounded;
 //! * [`EventStudy`]: fixations, saccades and blinks of a recording;
 //! * [`PredictionStudy`]: how well head pose is foreseen in a recording;
 //! * [`ScanlineStudy`]: how far the view is off, row by row;
 //! * [`replay()`]: a recording, frame by displayed frame, and [`PhaseStudy`]: by what the eye does;
 //! * [`FrameStudy`]: one frame by any method beside its reference;
+//! * [`StereoStudy`]: one frame of both eyes of a headset;
 //! * [`TemporalStudy`]: consecutive frames beside a [`supersampled`] reference: what flickers;
+//! * [`KernelTimes`], [`KernelErrors`]: what kernel foveated rendering pays in time and costs in error;
 //! * [`Guenter2012`]: a paper's tables and figures, ours beside theirs;
+//! * [`Guenter2012`], [`Meng2020`]: a paper's tables and figures, ours beside theirs;
 //! * [`Scenario`] and [`run()`]: all of it, in one report.
 
 mod chain;
 mod events;
 mod frame;
+mod kernel;
 mod latency;
 mod numbers;
 mod prediction;
@@ -23,6 +28,8 @@ mod reproduce;
 mod run;
 mod scanlines;
 mod scenario;
+mod spacing;
+mod stereo;
 mod supersample;
 mod sweep;
 mod temporal;
@@ -31,6 +38,9 @@ mod tracks;
 pub use chain::{Chain, ChainSpec, DriftSpec, HeadSampling, PARTS, Part, render_law};
 pub use events::EventStudy;
 pub use frame::{Drawing, FrameError, FrameOutcome, FrameStudy, Shot, Sight};
+pub use kernel::{
+    KernelErrorRow, KernelErrors, KernelRing, KernelTimeRow, KernelTimes, KernelTimings,
+};
 pub use latency::{
     Band, Budget, FIG5_READINGS, Fig5Reading, Fig5Result, Histogram, KNOBS, Knob, LatencyError,
     LatencyResult, LatencySample, LatencyStudy, MAX_RUNS, QUANTITIES, Quantity, ROWS, Rows,
@@ -45,9 +55,9 @@ pub use replay::{
     ReplaySummary, SUPPRESSION, Spread, head_predictor, replay, replay_each,
 };
 pub use reproduce::{
-    Antialiasing, Column, Guenter2012, Guenter2012Outcome, LatencyBars, LatencyRow, Payoff,
-    PayoffRow, Predicted, PredictedRow, QualityRow, QualitySweep, ReproduceError, Stein2021,
-    SteinRow, Table1, Table1Cell, TimeFit, Times,
+    Antialiasing, Column, DominanceFit, Fig7User, Guenter2012, Guenter2012Outcome, LatencyBars,
+    LatencyRow, Meng2020, Payoff, PayoffRow, Predicted, PredictedRow, QualityRow, QualitySweep,
+    ReproduceError, Stein2021, SteinRow, Table1, Table1Cell, TimeFit, Times, UserSigmas,
 };
 pub use run::{
     MARGIN_TOLERANCE_DEG, MOMENT_PICTURES, MarginLoop, MarginStep, MethodSaving, Moment, PlanCost,
@@ -58,6 +68,8 @@ pub use scenario::{
     GazeSource, MapGrid, RenderTime, Scenario, ScenarioError, ScenarioSpec, cost, display,
     read_text, tracker,
 };
+pub use spacing::{CurvePoint, SpacingCurve, SpacingOutcome, SpacingRow, SpacingStudy};
+pub use stereo::{StereoOutcome, StereoStudy};
 pub use supersample::supersampled;
 pub use sweep::{
     DensityAt, Drawn, GazeAt, Resolution, SWEEP_COLUMNS, Sweep, SweepDisplay, SweepEye, SweepRow,

@@ -1,9 +1,10 @@
-//! Papers' tables and figures, ours beside theirs: Guenter et al., *Foveated 3D Graphics*, 2012, and the
-//! latencies of Stein et al., 2021.
+//! Papers' tables and figures, ours beside theirs: Guenter et al., *Foveated 3D Graphics*, 2012; Meng et al.,
+//! *Eye-dominance-guided Foveated Rendering*, 2020; and the latencies of Stein et al., 2021.
 
 mod antialiasing;
 mod latency;
 mod line;
+mod meng;
 mod page;
 mod paper;
 mod payoff;
@@ -26,6 +27,7 @@ use glam::UVec2;
 use thiserror::Error;
 
 pub use latency::{LatencyBars, LatencyRow};
+pub use meng::{DominanceFit, Fig7User, Meng2020, UserSigmas};
 pub use paper::Column;
 pub use payoff::{Payoff, PayoffRow};
 pub use predicted::{Predicted, PredictedRow};
@@ -210,7 +212,7 @@ impl Guenter2012 {
     }
 }
 
-fn check(
+pub(crate) fn check(
     field: &'static str,
     value: u32,
     range: std::ops::RangeInclusive<u32>,
@@ -227,7 +229,7 @@ fn check(
 }
 
 /// Tells `progress` of `steps` equal steps from one share of the whole to another.
-fn stepper<'a>(
+pub(crate) fn stepper<'a>(
     progress: &'a dyn Fn(&str, f64),
     what: &'static str,
     [from, to]: [f64; 2],

@@ -11,11 +11,12 @@ use super::sky::{aerial, sky};
 use super::surface::surface;
 use super::terrain::terrain;
 use super::textured::textured;
-use super::wide::{F, Simd, V3, WIDTH, apart, max, piece, splat};
+use super::wide::{F, I, Simd, V3, WIDTH, apart, max, piece, splat};
 use crate::fragments::{Fragment, Fragments, SKY};
-use crate::project::Projection;
+use crate::placed::PlacedTile;
+use crate::project::{Projection, SUBSAMPLES};
 use crate::raster::Needs;
-use crate::tile::{BLOCK, LANES, SampleTile, TileBuffers, position_of};
+use crate::tile::{BLOCK, LANES, SampleTile, TileBuffers, index_of, position_of};
 
 /// Light that reaches every surface alike.
 #[derive(Debug, Clone, Copy)]
@@ -120,6 +121,8 @@ pub(super) struct Hit<S: Simd> {
 pub(crate) struct ShadeTile<'a, 'b> {
     pub(crate) context: &'a ShadeContext<'a>,
     pub(crate) tile: &'a SampleTile,
+    /// Where its samples are, if they do not lie evenly.
+    pub(crate) placed: Option<&'a PlacedTile>,
     /// Which of the fragments' buckets: 0 is the sky, then each material of the scene.
     pub(crate) bucket: usize,
     pub(crate) needs: Needs,
@@ -297,10 +300,25 @@ impl ShadeTile<'_, '_> {
         let [px, py] = position_of(block as usize * LANES);
         let x = (self.tile.origin.x + px) as f32;
         let y = (self.tile.origin.y + py) as f32;
-        let lattice = [
-            F::from_slice(simd, &MIDDLES[0]) + x,
-            F::from_slice(simd, &MIDDLES[1]) + y,
-        ];
+        let one = splat(simd, 1.0);
+        let (lattice, coarseness) = match self.placed {
+            None => {
+                let x = F::from_slice(simd, &MIDDLES[0]) + x;
+                ([x, F::from_slice(simd, &MIDDLES[1]) + y], one)
+            }
+            Some(placed) => piece(
+                simd,
+                #[inline(always)]
+                || {
+                    let [x, y] = &placed.middle[block as usize];
+                    // Exact: less than 2²⁴ sub-samples.
+                    let x = I::from_slice(simd, x).to_float::<F<S>>();
+                    let y = I::from_slice(simd, y).to_float::<F<S>>();
+                    let width = F::from_slice(simd, &placed.width[block as usize]);
+                    ([x * PER_SAMPLE, y * PER_SAMPLE], width)
+                },
+            ),
+        };
         let first = block as usize * self.msaa.positions() as usize;
         let slots = &self.buffers.slot[first];
         let inverse_w = if self.msaa == Msaa::One {
@@ -331,7 +349,7 @@ impl ShadeTile<'_, '_> {
             beside: 0,
             slots,
             of_slot: Some(&self.fragments.of_slot),
-            coarseness: splat(simd, 1.0),
+            coarseness,
         }
     }
 
@@ -373,6 +391,14 @@ impl ShadeTile<'_, '_> {
             loose.x[i] = (self.tile.origin.x + px) as f32 + 0.5 * width;
             loose.y[i] = (self.tile.origin.y + py) as f32 + 0.5 * height;
             coarseness[i] = if width > height { width } else { height };
+            if let Some(placed) = self.placed {
+                let index = index_of(px, py);
+                let (block, lane) = (index / LANES, index % LANES);
+                let [x, y] = &placed.middle[block];
+                loose.x[i] = x[lane] as f32 * PER_SAMPLE;
+                loose.y[i] = y[lane] as f32 * PER_SAMPLE;
+                coarseness[i] = placed.width[block][lane];
+            }
             loose.names[i] = match fragment.triangle {
                 SKY => 0,
                 name => name,
@@ -413,6 +439,9 @@ impl ShadeTile<'_, '_> {
         }
     }
 }
+
+/// Samples per sub-sample.
+const PER_SAMPLE: f32 = 1.0 / SUBSAMPLES as f32;
 
 /// Middles of a block's samples from its first corner, across and down.
 const MIDDLES: [[f32; WIDTH]; 2] = {

@@ -120,6 +120,40 @@ impl ViewGeometry {
         }
     }
 
+    /// The same vertices as seen by an eye of the head that these are seen from; `work` is what stands for
+    /// them.
+    pub(crate) fn seen_by(&self, eye_from_head: Pose, optics: &Optics, work: Work) -> Self {
+        let turn = DMat3::from_quat(eye_from_head.orientation);
+        let shift = eye_from_head.position;
+        // w is −z, on both sides.
+        let row = |r: DVec3, t: f64, sign: f64| {
+            let r = DVec3::new(r.x, r.y, -r.z) * sign;
+            [r.x, r.y, r.z, t * sign].map(|c| c as f32)
+        };
+        let rows = [
+            row(turn.row(0), shift.x, 1.0),
+            row(turn.row(1), shift.y, 1.0),
+            row(turn.row(2), shift.z, -1.0),
+        ];
+        let mut vertices = self.vertices.clone();
+        vertices.par_chunks_mut(JOB).for_each(|vertices| {
+            for v in vertices {
+                let [x, y, w] = v.eye;
+                v.eye = rows.map(|r| x * r[0] + y * r[1] + w * r[2] + r[3]);
+                // Only what is ahead is used; behind, any number will do.
+                let w = if v.eye[2] > 0.0 { v.eye[2] } else { 1.0 };
+                for k in 0..2 {
+                    v.px[k] = v.eye[k] / w * optics.px_per_tan[k] + optics.axis_px[k];
+                }
+            }
+        });
+        Self {
+            objects: self.objects.clone(),
+            vertices,
+            work,
+        }
+    }
+
     /// The vertices of one object.
     pub(crate) fn of(&self, object: &Object, scene: &Scene) -> &[EyeVertex] {
         let first = object.first_vertex as usize;

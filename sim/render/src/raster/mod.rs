@@ -4,11 +4,12 @@ mod attributes;
 mod bins;
 mod clip;
 mod coverage;
+mod gather;
 mod geometry;
 mod plane;
 mod setup;
 
 pub(crate) use attributes::{Needs, attributes, details, vertices};
 pub(crate) use bins::Bins;
-pub(crate) use geometry::{EyeVertex, Object, ViewGeometry, bounds};
+pub(crate) use geometry::{Bounds, EyeVertex, Object, ViewGeometry, bounds};
 pub(crate) use setup::{BEHIND, Emitter, PassTriangles, SetUp, SetUpTriangle, set_up};

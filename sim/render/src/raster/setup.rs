@@ -41,14 +41,14 @@ pub(crate) const BEHIND: u32 = 1 << 31;
 /// All triangles of a pass that may be visible, in jobs.
 #[derive(Debug)]
 pub(crate) struct PassTriangles {
-    jobs: Vec<Job>,
+    pub(super) jobs: Vec<Job>,
 }
 
 /// What one worker set up: triangles, and which of them meet which tile.
 #[derive(Debug)]
-struct Job {
-    triangles: Vec<SetUpTriangle>,
-    bins: Bins,
+pub(super) struct Job {
+    pub(super) triangles: Vec<SetUpTriangle>,
+    pub(super) bins: Bins,
 }
 
 /// Triangles per parallel job.

@@ -1,7 +1,7 @@
 use std::sync::Arc;
 
 use foveasim_assets::Scene;
-use foveasim_models::{Image, Pass, SamplePlan, View, Work};
+use foveasim_models::{Image, Map, Pass, SamplePlan, View, Work};
 use glam::{DVec2, UVec2};
 
 use super::history::{History, Past, Placed, Spare};
@@ -115,6 +115,7 @@ impl Sequence {
             }
         }
         frame::check(view, &plan, options)?;
+        self.check_maps(&plan)?;
         let placed = Arc::new(Placed::of(scene));
         let previous = self.previous.take();
         let mut histories = match previous.filter(|p| p.leads_to(&plan, &placed)) {
@@ -170,6 +171,19 @@ impl Sequence {
         let mut frame = self.put_together(view, plan, placed, shown, pass_work, &options, spare);
         frame.work += drawn.shared;
         Ok(frame)
+    }
+
+    /// Where a surface was in a pass before is known of samples that lie evenly.
+    fn check_maps(&self, plan: &SamplePlan) -> Result<(), RenderError> {
+        let bent = |p: &Pass| !matches!(p.map, Map::Affine(_));
+        match plan.passes.iter().position(bent) {
+            Some(pass) if self.options.reproject => Err(RenderError::Pass {
+                method: plan.method.clone(),
+                pass,
+                why: "its samples do not lie evenly: it cannot be reprojected, but drawn frame by frame or jittered".into(),
+            }),
+            _ => Ok(()),
+        }
     }
 
     /// How often a pass was due before `frame`.

@@ -37,8 +37,9 @@ pub struct SweepRow {
     /// What the plan draws; `None` for a display without whole pixels.
     pub drawn: Option<Drawn>,
     /// How many times more a fixed method of the same quality shades than the tracked one: fixed as
-    /// this is, or with the default reach ([`Aim`](foveasim_models::foveation::Aim)).
-    pub tracked_over_fixed: f64,
+    /// this is, or with the default reach ([`Aim`](foveasim_models::foveation::Aim)). `None` for a method
+    /// whose samples are given ([`Method::is_given`]).
+    pub tracked_over_fixed: Option<f64>,
     /// The first eye's layers, or passes.
     pub layers: Estimate,
     /// Whether the acuity line is used farther from its centre than where it was measured.
@@ -185,7 +186,8 @@ impl SweepRow {
 /// sharpest part is than acuity slopes were measured ([`Acuity::MEASURED_TO_DEG`]). Samples are places
 /// where visibility is found, shadings evaluations of shading: fewer under variable-rate shading, else
 /// as many. `over_ideal` compares shadings. `tracked_over_fixed` is how many times more a fixed method
-/// shades for the same quality.
+/// shades for the same quality; it is empty for `kfr`, `efr` and `lms`, whose settings say where samples
+/// lie, and which may need fewer than the ideal because they promise no quality.
 pub const COLUMNS: [&str; 35] = [
     "method",
     "fov_h_deg",

@@ -1,0 +1,173 @@
+use std::ops::Range;
+
+use foveasim_models::{Image, Region};
+use glam::UVec2;
+use rayon::prelude::*;
+
+/// A pass as reconstruction reads it: colours, and 1 in the fourth place where a sample is live; else
+/// nothing but zeros.
+#[derive(Debug, Clone)]
+pub(crate) struct Texels {
+    pub(crate) size: UVec2,
+    /// Whether the last row borders on the first.
+    pub(crate) wraps: bool,
+    pub(crate) rgba: Vec<[f32; 4]>,
+}
+
+impl Texels {
+    pub(crate) fn new(image: &Image, region: &Region, wraps: bool) -> Self {
+        let size = image.size;
+        let mut rgba = vec![[0.0; 4]; image.rgb.len()];
+        let rows = rgba.par_chunks_mut(size.x.max(1) as usize);
+        let from = image.rgb.par_chunks(size.x.max(1) as usize);
+        rows.zip(from).enumerate().for_each(|(y, (out, row))| {
+            let copy = |out: &mut [f32; 4], [r, g, b]: [f32; 3]| *out = [r, g, b, 1.0];
+            match region {
+                Region::Spans(spans) => {
+                    let live = spans.row(y as u32);
+                    let live = live.start as usize..live.end as usize;
+                    for (out, rgb) in out[live.clone()].iter_mut().zip(&row[live]) {
+                        copy(out, *rgb);
+                    }
+                }
+                _ => {
+                    for (x, (out, rgb)) in out.iter_mut().zip(row).enumerate() {
+                        if region.is_live(UVec2::new(x as u32, y as u32)) {
+                            copy(out, *rgb);
+                        }
+                    }
+                }
+            }
+        });
+        Self { size, wraps, rgba }
+    }
+
+    /// The row at a place that may lie beyond the lattice.
+    #[inline(always)]
+    pub(crate) fn row_at(&self, y: i64) -> u32 {
+        let rows = i64::from(self.size.y);
+        match self.wraps {
+            true => y.rem_euclid(rows) as u32,
+            false => y.clamp(0, rows - 1) as u32,
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn at(&self, x: u32, y: u32) -> [f32; 4] {
+        self.rgba[y as usize * self.size.x as usize + x as usize]
+    }
+
+    /// The texels from column `first` on smoothed by (1 2 1)·(1 2 1)/16, of live neighbours only.
+    pub(crate) fn smoothed(&self, first: u32) -> Self {
+        let mut rgba = self.rgba.clone();
+        let width = self.size.x.max(1) as usize;
+        rgba.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
+            let rows = [-1, 0, 1].map(|d| self.row_at(y as i64 + d));
+            for (x, out) in row.iter_mut().enumerate().skip(first as usize) {
+                if out[3] == 0.0 {
+                    continue;
+                }
+                let own = *out;
+                let mut sum = Sum::around(own);
+                for (row, across) in rows.into_iter().zip([1.0, 2.0, 1.0]) {
+                    for (k, along) in [1.0, 2.0, 1.0].into_iter().enumerate() {
+                        let x = (x + k).saturating_sub(1).min(width - 1);
+                        sum.add(self.at(x as u32, row), along * across);
+                    }
+                }
+                let [r, g, b] = sum.mean();
+                *out = [r, g, b, 1.0];
+            }
+        });
+        Self { rgba, ..*self }
+    }
+
+    /// The mean of the live ones in `columns` of `count` rows from `top` on; `x`, `y` is one that counts in
+    /// any case.
+    pub(crate) fn mean(
+        &self,
+        x: u32,
+        y: u32,
+        columns: Range<u32>,
+        top: i64,
+        count: u32,
+    ) -> [f32; 3] {
+        let mut sum = Sum::around(self.live_near(x, y.min(self.size.y - 1)));
+        for k in 0..i64::from(count) {
+            let row = self.row_at(top + k);
+            for x in columns.clone() {
+                sum.add(self.at(x, row), 1.0);
+            }
+        }
+        sum.mean()
+    }
+
+    /// The texel at column `x` and row `y` if it is live; else the nearest that is. The cell of a pixel is
+    /// live; but places of pixels are rounded, and then it may be the neighbour's.
+    pub(crate) fn live_near(&self, x: u32, y: u32) -> [f32; 4] {
+        let own = self.at(x, y);
+        if own[3] != 0.0 {
+            return own;
+        }
+        self.search(x, y)
+    }
+
+    #[cold]
+    fn search(&self, x: u32, y: u32) -> [f32; 4] {
+        let (x, y) = (i64::from(x), i64::from(y));
+        for away in 1..=i64::from(self.size.max_element()) {
+            for dy in -away..=away {
+                let step = if dy.abs() == away { 1 } else { 2 * away };
+                let mut dx = -away;
+                while dx <= away {
+                    let column = (x + dx).clamp(0, i64::from(self.size.x) - 1);
+                    let texel = self.at(column as u32, self.row_at(y + dy));
+                    if texel[3] != 0.0 {
+                        return texel;
+                    }
+                    dx += step;
+                }
+            }
+        }
+        [0.0; 4]
+    }
+}
+
+/// A weighted mean of live texels, as a colour and the mean difference from it: of equal colours it is that
+/// colour, bit for bit.
+pub(crate) struct Sum {
+    own: [f32; 4],
+    difference: [f32; 3],
+    weight: f32,
+}
+
+impl Sum {
+    #[inline(always)]
+    pub(crate) fn around(own: [f32; 4]) -> Self {
+        Self {
+            own,
+            difference: [0.0; 3],
+            weight: 0.0,
+        }
+    }
+
+    #[inline(always)]
+    pub(crate) fn add(&mut self, texel: [f32; 4], weight: f32) {
+        if texel[3] != 0.0 {
+            self.weight += weight;
+            for (c, difference) in self.difference.iter_mut().enumerate() {
+                *difference += weight * (texel[c] - self.own[c]);
+            }
+        }
+    }
+
+    /// The colour itself if nothing was added.
+    #[inline(always)]
+    pub(crate) fn mean(&self) -> [f32; 3] {
+        let weight = if self.weight > 0.0 { self.weight } else { 1.0 };
+        std::array::from_fn(
+            #[inline(always)]
+            |c| self.own[c] + self.difference[c] / weight,
+        )
+    }
+}

@@ -1,0 +1,8 @@
+//! What kernel foveated rendering pays in time, and what it costs in error: measured.
+
+mod errors;
+mod pair;
+mod times;
+
+pub use errors::{KernelErrorRow, KernelErrors, KernelRing};
+pub use times::{KernelTimeRow, KernelTimes, KernelTimings};

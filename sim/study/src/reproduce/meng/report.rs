@@ -1,0 +1,67 @@
+use foveasim_reports::Page;
+
+use super::Meng2020;
+
+impl Meng2020 {
+    /// Every table by the name of its file.
+    fn tables(&self) -> [(&'static str, foveasim_reports::Table); 5] {
+        [
+            ("fig7.csv", self.fig_7()),
+            ("fig7-caption.csv", self.caption()),
+            ("fig7-fits.csv", self.fits_table()),
+            ("buffers.csv", self.buffers()),
+            ("equation9.csv", self.dominance()),
+        ]
+    }
+
+    /// All files of the theory but the page: tables as CSV, the chart as SVG.
+    pub fn files(&self) -> Vec<(String, Vec<u8>)> {
+        let tables = self
+            .tables()
+            .map(|(name, table)| (name.to_owned(), table.csv().into_bytes()));
+        let chart = self.dominance_chart().svg().into_bytes();
+        tables
+            .into_iter()
+            .chain([("equation9.svg".to_owned(), chart)])
+            .collect()
+    }
+
+    /// The page as far as theory goes; what is measured is added to it.
+    pub fn page(&self) -> Page {
+        let mut page = Page::new(
+            "Eye-dominance-guided Foveated Rendering (Meng, Du & Varshney 2020), reproduced",
+        );
+        page.heading("What the equations say");
+        page.paragraph(
+            "With time in proportion to the buffer of W/σ × H/σ samples, kernel foveated rendering is σ² times \
+             as fast as full resolution, and eye dominance gains S = 2/(1 + (σ_d/σ_nd)²) on top (Eqs 6 to 9): \
+             1.3846 for (2, 3). Samples that fall beyond the display are not drawn, so that σ² is a little less \
+             than what is saved.",
+        );
+        page.table(
+            "Samples of one eye, 1280 × 1440 pixels, gaze in the middle",
+            &self.buffers(),
+        );
+        page.table("Eq. 9", &self.dominance());
+        page.svg("", &self.dominance_chart().svg());
+        page.heading("Fig. 7 against its caption");
+        page.paragraph(
+            "The caption's averages are not those of the rows. Rates are printed as whole frames per second; \
+             the table gives how far that can move an average.",
+        );
+        page.table("Averages of Fig. 7", &self.caption());
+        page.heading("What is fixed in Fig. 7");
+        page.paragraph(&format!(
+            "If t₀ + k/σ² for each eye is to explain all users with σ_nd up to 4, at most {:.2} ms of a \
+             frame are fixed. The fits below assume σ = (2, 3) for every user; the last two take one average \
+             each and miss KFR by 5 frames per second. The users' own σ follow from their rates for any t₀.",
+            self.most_fixed_ms
+        ));
+        page.table("Fits of t₀ and k", &self.fits_table());
+        page.table(
+            "Users, with σ for t₀ = 0 and for the most that can be fixed",
+            &self.fig_7(),
+        );
+        page
+    }
+}

@@ -254,7 +254,8 @@ impl SpacingOutcome {
             let floor = limits
                 .iter()
                 .map(|p| [p.eccentricity_deg, p.longest_deg * 60.0]);
-            let rows = self.rows.iter().map(|row| {
+            // What is found comes first, in full lines.
+            let rows = self.rows.iter().rev().map(|row| {
                 let points = row.curve.points.iter();
                 let points = points.map(|p| [p.eccentricity_deg, p.longest_deg * 60.0]);
                 line(row.label.clone(), points.collect())

@@ -91,7 +91,7 @@ const RUNS: u64 = 200_000;
 fn meng2020(args: &Args, ctx: &Context) -> Result<(), Failure> {
     if args.antialiasing_frames.is_some() || args.antialiasing_size.is_some() {
         let text = "meng2020 has no antialiasing: --antialiasing-* are for guenter2012";
-        return Err(Failure::bad_input(text.into()));
+        return Err(Failure::bad_input(text));
     }
     let (times, errors) = measured(args, ctx);
     let mut outputs = ctx.outputs("out")?;

@@ -199,10 +199,10 @@ pub(crate) fn outline(root: &Area<'_>, [l, t]: [f64; 2], [r, b]: [f64; 2]) -> Dr
 }
 
 /// A broken line.
-pub(crate) fn dashes(
-    line: [(i32, i32); 2],
-    style: ShapeStyle,
-) -> DashedPathElement<std::array::IntoIter<(i32, i32), 2>, i32> {
+pub(crate) fn dashes<L>(line: L, style: ShapeStyle) -> DashedPathElement<L::IntoIter, i32>
+where
+    L: IntoIterator<Item = (i32, i32), IntoIter: Clone>,
+{
     DashedPathElement::new(line, px(4.0), px(3.0), style)
 }
 

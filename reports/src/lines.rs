@@ -10,7 +10,7 @@ use crate::frame::{
     stroke, text, top,
 };
 use crate::number::short;
-use crate::theme::{self, INK};
+use crate::theme::{self, COLOURS, INK};
 
 /// One line of a [`LineChart`].
 #[derive(Debug, Clone, PartialEq)]
@@ -31,7 +31,7 @@ pub struct LineChart {
     pub x_label: String,
     /// Name and unit of the vertical quantity.
     pub y_label: String,
-    /// The lines.
+    /// The lines: eight in colours of their own, further ones in the same colours, broken.
     pub series: Vec<LineSeries>,
     /// Stretches of the horizontal axis to shade: missing gaze, lost tracking.
     pub shaded: Vec<[f64; 2]>,
@@ -135,7 +135,14 @@ impl LineChart {
                             }
                             _ => {
                                 let line = thinned(run, &x).into_iter().map(|[x, y]| (x, y));
-                                chart.draw_series(Curve::new(line, style))?;
+                                if i < COLOURS {
+                                    chart.draw_series(Curve::new(line, style))?;
+                                } else {
+                                    let plot = chart.plotting_area();
+                                    let line: Vec<_> =
+                                        line.map(|p| plot.map_coordinate(&p)).collect();
+                                    root.draw(&dashes(line, style))?;
+                                }
                             }
                         }
                     }
@@ -153,7 +160,14 @@ impl LineChart {
     fn keys(&self, shaded: bool, marked: bool, levels: &[&(f64, String)]) -> Vec<Key> {
         let series = self.series.iter().enumerate();
         let mut keys: Vec<Key> = series
-            .map(|(i, s)| Key::new(theme::series(i), Sample::Line, &s.label))
+            .map(|(i, s)| {
+                let sample = if i < COLOURS {
+                    Sample::Line
+                } else {
+                    Sample::Dashes
+                };
+                Key::new(theme::series(i), sample, &s.label)
+            })
             .collect();
         if shaded {
             keys.push(Key::new(shade(), Sample::Block, &self.shaded_label));

@@ -25,6 +25,38 @@ fn refused(scratch: &Scratch, words: &[&str], parts: &[&str]) {
 }
 
 #[test]
+fn kernels() {
+    let s = Scratch::new();
+    for (method, part) in [
+        ("kfr", "sigma of kfr"),
+        ("kfr:0:4", "a number from 0.25 to 100, as in kfr:2:4"),
+        ("kfr:2:inf", "alpha of kfr = inf"),
+        ("kfr:2:4:publish", "did you mean `published`?"),
+        (
+            "efr:3:2",
+            "sigma of the other eye = 2: must be a number from 3",
+        ),
+        ("efr:2:3:dominant=both", "valid: left, right"),
+        ("lms:21:0", "A of lms = 21"),
+    ] {
+        refused(&s, &["plan", "--method", method], &["--method", part]);
+    }
+    let kernel = |more: &[&str], parts: &[&str]| {
+        let words = [&["plan", "kernel", "--display", "dk2"], more].concat();
+        refused(&s, &words, parts);
+    };
+    kernel(&["--gaze", "middle"], &["centre, any", "middle"]);
+    kernel(&["--margin-deg", "-1"], &["--margin-deg -1", "0 to 90"]);
+    kernel(&["--slope", "nan"], &["slope"]);
+    kernel(&["--method", "vsr"], &["did you mean `vrs`?"]);
+    refused(
+        &s,
+        &["reproduce", "meng2020", "--quick"],
+        &["meng2020 draws nothing"],
+    );
+}
+
+#[test]
 fn names_and_numbers() {
     let s = Scratch::new();
     refused(

@@ -57,6 +57,64 @@ fn plan_of_everything_that_ships() {
 }
 
 #[test]
+fn plan_of_kernels() {
+    let methods = "full,kfr:2:4,kfr:2:4:published,efr:2:3,lms:0:0,lms:1:1";
+    let args = [
+        "plan",
+        "--display",
+        "quest-pro",
+        "--format",
+        "csv",
+        "--method",
+    ];
+    let csv = Scratch::new().ok(&[&args[..], &[methods]].concat());
+    let rows = rows(&csv);
+    let of = |name: &str| rows.iter().map(|r| number(r, name)).collect::<Vec<_>>();
+    let [samples, shadings] = [of("sample_ratio"), of("shading_ratio")];
+    assert!(shadings[1] > 4.0 && shadings[1] < 4.2 && samples[1] == shadings[1]);
+    // As published, visibility is found at every pixel.
+    assert_eq!([samples[2], shadings[2]], [1.0, shadings[1]]);
+    // One eye of each: 2/(1/σ_d² + 1/σ_nd²), where as much is beyond the display.
+    assert!((shadings[3] / shadings[1] - 18.0 / 13.0).abs() < 1e-6);
+    assert!((samples[4] - 1.0).abs() < 1e-9 && samples[5] > 4.0);
+    assert!(
+        rows[1..]
+            .iter()
+            .all(|row| row["tracked_over_fixed"].is_empty())
+    );
+}
+
+#[test]
+fn the_kernel_is_found() {
+    let scratch = Scratch::new();
+    let args = [
+        "plan",
+        "kernel",
+        "--display",
+        "dk2",
+        "--gaze",
+        "300,500",
+        "--margin-deg",
+        "1",
+    ];
+    let csv = scratch.ok(&[&args[..], &["--format", "csv", "--out", "k"]].concat());
+    let rows = rows(&csv);
+    let row = |name: &str| rows.iter().find(|r| r["name"] == name).expect(name);
+    assert_eq!(row("kfr, best")["meets_line"], "yes");
+    assert!(number(row("kfr, best"), "samples") < number(row("full"), "samples") / 3.0);
+    assert!(number(row("kfr, best"), "over_ideal") > 1.0);
+    assert_eq!(row("layers:3:blending=strict")["meets_line"], "yes");
+    let names = [
+        "kernel.csv",
+        "spacing-centre.svg",
+        "spacing.csv",
+        "spacing.svg",
+        "vrs-rates.csv",
+    ];
+    assert_eq!(scratch.names("k"), names);
+}
+
+#[test]
 fn plan_over_field_of_view_gives_the_hundredfold_saving_at_70_degrees() {
     let csv = Scratch::new().ok(&[
         "plan",

@@ -93,3 +93,18 @@ fn what_cannot_be_reproduced_is_said() {
         assert_eq!(ran.err.lines().count(), 1, "{words:?}: {}", ran.err);
     }
 }
+
+#[test]
+fn meng_2020() {
+    let scratch = Scratch::new();
+    let csv = scratch.ok(&["reproduce", "meng2020", "--format", "csv", "--out", "m"]);
+    let caption = rows(&csv);
+    assert!((number(&caption[1], "mean_of_rows") - 1.276_173_763).abs() < 1e-8);
+    assert_eq!(caption[1]["caption_possible"], "no");
+    assert_eq!(rows(&scratch.read("m/fig7.csv")).len(), 11);
+    assert!(
+        scratch
+            .read("m/report.html")
+            .contains("Fig. 7 against its caption")
+    );
+}

@@ -139,7 +139,7 @@ impl FromStr for DominanceSettings {
 
 impl fmt::Display for DominanceSettings {
     /// What follows `efr`.
-    #[expect(clippy::float_cmp, reason = "a default is written as it is")]
+    #[expect(clippy::float_cmp_const, reason = "a default, exactly or not")]
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, ":{}:{}", self.dominant.sigma(), self.other.sigma())?;
         if self.dominant_eye == Eye::Left {

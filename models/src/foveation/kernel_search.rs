@@ -19,7 +19,8 @@ use crate::{LogPolar, ModelError};
 /// because α is rounded to three decimals.
 ///
 /// Several gazes may be asked for at once: then limits hold at each, and the samples are the most that
-/// any takes. Between the gazes of a grid of 9 × 9 over the image they may be exceeded by a percent.
+/// any takes. Between those of [`Request::wherever`], which stand for all, limits may be exceeded by a
+/// percent.
 #[derive(Debug, Clone)]
 pub struct KernelSearch {
     gazes: Vec<Limits>,
@@ -92,8 +93,12 @@ impl KernelSearch {
         if !ALPHA.contains(&alpha) {
             return None;
         }
-        let sigmas = self.gazes.iter().map(|gaze| gaze.sigma(alpha));
-        let sigma = sigmas.fold(*SIGMA.end(), f64::min) * (1.0 - Self::RESERVE);
+        let most = *SIGMA.end();
+        let sigma = self
+            .gazes
+            .iter()
+            .fold(most, |sigma, gaze| gaze.sigma(alpha, sigma));
+        let sigma = sigma * (1.0 - Self::RESERVE);
         let sigma = (sigma * 1e4).floor() / 1e4;
         let settings = KernelSettings::new(sigma, alpha).ok()?;
         let samples = self.gazes.iter().map(|gaze| gaze.samples(&settings));
@@ -159,26 +164,34 @@ impl Limits {
         LogPolar::over(self.gaze_px, self.size, alpha, self.size / sigma)
     }
 
-    /// The largest σ that keeps to the limits with a given α.
-    fn sigma(&self, alpha: f64) -> f64 {
+    /// The largest σ up to `most` that keeps to the limits with a given α.
+    fn sigma(&self, alpha: f64, most: f64) -> f64 {
         // Cells are nearly proportional to σ, so a few steps of that do.
         const MOST_STEPS: usize = 40;
         const CLOSE: f64 = 1e-5;
-        let mut sigma = 1.0;
+        let mut sigma = most;
         for _ in 0..MOST_STEPS {
-            let Ok(map) = self.map(sigma, alpha) else {
-                return 0.0;
-            };
-            let room = self.rings.iter().fold(f64::INFINITY, |room, ring| {
-                let [outwards, around] = map.cell_lengths(map.x_at(ring.radius));
-                room.min(ring.outwards / outwards).min(ring.around / around)
-            });
-            sigma *= room;
-            if (room - 1.0).abs() < CLOSE || !(1e-3..1e4).contains(&sigma) {
+            let room = self.room(sigma, alpha);
+            if (room >= 1.0 && sigma >= most) || !(1e-3..1e4).contains(&sigma) {
+                break;
+            }
+            sigma = (sigma * room).min(most);
+            if (room - 1.0).abs() < CLOSE {
                 break;
             }
         }
         sigma
+    }
+
+    /// How many times longer than with this kernel cells may be: less than 1 if they are too long.
+    fn room(&self, sigma: f64, alpha: f64) -> f64 {
+        let Ok(map) = self.map(sigma, alpha) else {
+            return 0.0;
+        };
+        self.rings.iter().fold(f64::INFINITY, |room, ring| {
+            let [outwards, around] = map.cell_lengths(map.x_at(ring.radius));
+            room.min(ring.outwards / outwards).min(ring.around / around)
+        })
     }
 
     fn samples(&self, settings: &KernelSettings) -> f64 {

@@ -189,8 +189,14 @@ mod tests {
         assert_eq!(steps("vrs", 398.5, 298.5), [4.0, 0.0, 0.0, 2.0]);
         assert_eq!(steps("lms:0:0", 8.5, 9.5), [1.0, 0.0, 0.0, 1.0]);
         assert_eq!(steps("quad", 399.5, 0.5), [2.0, 0.0, 0.0, 2.0]);
-        let [x, .., y] = steps("layers:3", 399.5, 299.5);
-        assert!(x > 2.0 && (x - y).abs() < 0.2);
+        let sharp = Request {
+            viewport: Viewport::symmetric(UVec2::new(1600, 1200), 0.6).unwrap(),
+            ..request.clone()
+        };
+        let layers = "layers:3".parse::<Method>().unwrap().plan(&sharp).unwrap();
+        let steps_at = |px| layers.shading_steps(&sharp, px);
+        assert_eq!(steps_at(DVec2::new(800.5, 600.5)), DMat2::IDENTITY);
+        assert!(steps_at(DVec2::splat(0.5)).x_axis.x > 2.0);
         let at = request.viewport.project(DVec3::NEG_Z).unwrap() + DVec2::new(0.0, 100.0);
         let [ox, oy, ax, ay] = steps("kfr:2:1", at.x, at.y);
         assert!(ox.abs() < 1e-9 && oy > 1.0 && ax < -1.0 && ay.abs() < 1e-9);

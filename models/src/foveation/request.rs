@@ -1,3 +1,5 @@
+use glam::DVec2;
+
 use super::Screen;
 use super::need::Need;
 use crate::error::in_range;
@@ -33,6 +35,21 @@ impl Request {
             ahead: panel.ahead(),
             margin_deg: 0.0,
         }
+    }
+
+    /// The same for gazes that stand for all on the image, its middle first: 13 × 13, closer together
+    /// towards the edges, where what a method needs changes fastest.
+    pub fn wherever(&self) -> Vec<Self> {
+        const SHARES: [f64; 13] = [
+            0.5, 0.0, 0.02, 0.05, 0.1, 0.2, 0.35, 0.65, 0.8, 0.9, 0.95, 0.98, 1.0,
+        ];
+        let size = self.viewport.size.as_dvec2();
+        let at = |x: f64, y: f64| Self {
+            gaze: self.viewport.gaze_at(DVec2::new(x, y) * size),
+            ..self.clone()
+        };
+        let columns = |y: f64| SHARES.map(|x| at(x, y));
+        SHARES.into_iter().flat_map(columns).collect()
     }
 
     /// Checks what the types cannot: a finite gaze and a margin from 0 to 90 degrees.

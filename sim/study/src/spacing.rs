@@ -58,10 +58,8 @@ struct RateShare {
     pixels: u64,
 }
 
-/// Gazes on a side of the grid that stands for all: those of the searches, and those that are drawn.
-const SEARCHED: u32 = 9;
-const SEARCHED_LENSES: u32 = 5;
-const DRAWN: u32 = 3;
+/// One gaze of this many is drawn: those along a diagonal of 13 × 13.
+const STRIDE: usize = 14;
 
 impl SpacingStudy {
     /// Searches, plans and measures.
@@ -69,13 +67,14 @@ impl SpacingStudy {
     /// # Errors
     /// If the gaze is not finite or the margin not from 0 to 90 degrees.
     pub fn run(&self) -> Result<SpacingOutcome, ModelError> {
-        let searched = self.gazes(SEARCHED);
+        let searched = self.gazes();
+        // Those along a diagonal are enough for what is drawn, and for lenses, which hold many places for each.
+        let drawn: Vec<Request> = searched.iter().step_by(STRIDE).cloned().collect();
         let (kernels, lens) = rayon::join(
             || KernelSearch::new(&searched).map(|search| found_kernels(&search)),
-            || LensSearch::new(&self.gazes(SEARCHED_LENSES)).and_then(|search| search.best()),
+            || LensSearch::new(&drawn).and_then(|search| search.best()),
         );
         let ((best, given), lens) = (kernels?, lens?);
-        let drawn = self.gazes(DRAWN);
         let others = self.methods.iter().map(|&m| (m.to_string(), m));
         let lenses = ("lms, best".to_owned(), Method::Lms(lens.settings));
         let kernels = given.iter().zip(ALPHAS).map(|(found, alpha)| {
@@ -144,24 +143,13 @@ impl SpacingStudy {
         same_sigma.with_sigma(sigma.clamp(0.25, 100.0))
     }
 
-    /// The request's gaze, or a grid of `side` × `side` from corner to corner of the image, its middle first.
-    fn gazes(&self, side: u32) -> Vec<Request> {
-        if !self.any_gaze {
-            return vec![self.request.clone()];
+    /// The request's gaze, or those of [`Request::wherever`].
+    fn gazes(&self) -> Vec<Request> {
+        if self.any_gaze {
+            self.request.wherever()
+        } else {
+            vec![self.request.clone()]
         }
-        let size = self.request.viewport.size.as_dvec2();
-        let at = |share: DVec2| Request {
-            gaze: self.request.viewport.gaze_at(share * size),
-            ..self.request.clone()
-        };
-        let share = |k: u32| f64::from(k) / f64::from(side - 1);
-        let grid = (0..side * side).map(|k| DVec2::new(share(k % side), share(k / side)));
-        let others = grid.filter(|s| *s != DVec2::splat(0.5));
-        [DVec2::splat(0.5)]
-            .into_iter()
-            .chain(others)
-            .map(at)
-            .collect()
     }
 }
 
@@ -254,7 +242,8 @@ impl SpacingOutcome {
             let floor = limits
                 .iter()
                 .map(|p| [p.eccentricity_deg, p.longest_deg * 60.0]);
-            let rows = self.rows.iter().map(|row| {
+            // What is found comes first, in full lines.
+            let rows = self.rows.iter().rev().map(|row| {
                 let points = row.curve.points.iter();
                 let points = points.map(|p| [p.eccentricity_deg, p.longest_deg * 60.0]);
                 line(row.label.clone(), points.collect())

@@ -20,7 +20,7 @@ use super::super::{Context, Failure, options};
 Columns: spacing_over_limit is the longest step between samples over what is asked there, at worst, and
 worst_at_deg how far from the gaze that is; meets_line allows a thousandth. over_ideal compares shadings
 with a density that falls off continuously. Kernels are found to within half a percent of the fewest
-samples; with --gaze any, between the 81 gazes that are looked at, the line may be exceeded by a percent.")]
+samples; with --gaze any, between the 169 gazes that are looked at, the line may be exceeded by a percent.")]
 pub(super) struct Args {
     /// Preset or TOML file
     #[arg(long, value_name = "NAME")]

@@ -1,5 +1,6 @@
 use foveasim_models::SamplePlan;
 use foveasim_models::foveation::{Place, Request};
+use foveasim_models::math::sqrt;
 use foveasim_reports::Cell;
 use glam::{DMat2, DVec2, UVec2};
 
@@ -48,6 +49,8 @@ pub(super) struct Worst {
 
 /// At most so many pixels of an image are looked at, evenly spread.
 const MOST_PIXELS: f64 = 150_000.0;
+/// So far from the gaze, along x and y, every pixel is looked at.
+const NEAR_PX: f64 = 24.0;
 
 impl SpacingCurve {
     /// Degrees between points.
@@ -98,16 +101,26 @@ impl SpacingCurve {
     }
 }
 
-/// Pixels of an image, evenly spread, those of its edges among them; fewer each if there are several images.
+/// Pixels of an image: all near the gaze, where methods differ from one to the next, and others evenly
+/// spread, those of the edges among them; fewer each if there are several images.
 fn pixels(request: &Request, images: usize) -> impl Iterator<Item = DVec2> {
     let size = request.viewport.size;
     let all = size.as_dvec2().element_product() * images as f64;
-    let stride = (all / MOST_PIXELS).sqrt().ceil().max(1.0) as usize;
+    let stride = sqrt(all / MOST_PIXELS).ceil().max(1.0) as usize;
     let along = move |n: u32| {
         let even = (0..n).step_by(stride);
         even.chain((!(n - 1).is_multiple_of(stride as u32)).then_some(n - 1))
     };
-    along(size.y).flat_map(move |y| along(size.x).map(move |x| UVec2::new(x, y).as_dvec2() + 0.5))
+    let spread = along(size.y).flat_map(move |y| along(size.x).map(move |x| UVec2::new(x, y)));
+    let gaze = request.viewport.project(request.gaze.vector());
+    let on_image = |px: &DVec2| px.cmpge(DVec2::ZERO).all() && px.cmple(size.as_dvec2()).all();
+    let near = gaze.filter(on_image).map(|gaze| {
+        let from = (gaze - NEAR_PX).max(DVec2::ZERO).as_uvec2();
+        let to = (gaze + NEAR_PX).ceil().as_uvec2().min(size);
+        (from.y..to.y).flat_map(move |y| (from.x..to.x).map(move |x| UVec2::new(x, y)))
+    });
+    let pixels = spread.chain(near.into_iter().flatten());
+    pixels.map(|px| px.as_dvec2() + 0.5)
 }
 
 #[derive(Default)]

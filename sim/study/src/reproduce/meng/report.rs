@@ -54,7 +54,7 @@ impl Meng2020 {
         page.paragraph(&format!(
             "If t₀ + k/σ² for each eye is to explain all users with σ_nd up to 4, at most {:.2} ms of a \
              frame are fixed. The fits below assume σ = (2, 3) for every user; the last two take one average \
-             each and miss KFR by 5 frames per second. The users' own σ follow from their rates for any t₀.",
+             each, and give KFR four to five frames per second too many. The users' own σ follow from their rates for any t₀.",
             self.most_fixed_ms
         ));
         page.table("Fits of t₀ and k", &self.fits_table());

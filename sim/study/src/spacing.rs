@@ -14,7 +14,7 @@ use foveasim_models::foveation::{
 use foveasim_models::math::sqrt;
 use foveasim_models::{Lattice, ModelError, SamplePlan, Shading};
 use foveasim_reports::{LineChart, LineSeries, Table};
-use glam::{DVec2, UVec2};
+use glam::UVec2;
 use rayon::prelude::*;
 
 /// Kernels that are shown beside the best one: Meng's, the one between, and that of the paper's co-author's

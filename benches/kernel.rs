@@ -3,7 +3,10 @@
 //! frame, shading, the rest, and speedups over full resolution, all medians of paired rounds, with the noise
 //! floor beside them.
 //!
-//! `cargo bench --bench kernel -- --moments 4 --rounds 7 [--size 1280x1440] [--errors FILE]`
+//! `cargo bench --bench kernel -- --moments 4 --rounds 7 [--size 1280x1440] [--cpu-time] [--errors FILE]`
+//!
+//! `--cpu-time` (Linux) takes the processor time of all threads instead of the time that passes: on a machine that
+//! does other things, too, it is far less noisy. With one thread (`RAYON_NUM_THREADS=1`) the two mean the same.
 //!
 //! With `--errors`, also the error against 8 × 8 samples to the pixel by ring of eccentricity, as CSV, and
 //! a plot beside it (`.svg`).
@@ -15,7 +18,7 @@
 )]
 
 use std::path::Path;
-use std::time::Instant;
+use std::time::{Duration, Instant};
 
 use foveasim::study::{KernelErrors, KernelTimes};
 use glam::UVec2;
@@ -45,8 +48,13 @@ fn main() {
         None => quick,
     };
     let began = Instant::now();
+    let of_processors = args.iter().any(|a| a == "--cpu-time");
+    let mut clock = || match of_processors {
+        true => processor_time(),
+        false => began.elapsed(),
+    };
     let timings = study
-        .run(&mut || began.elapsed(), &|_, _| ())
+        .run(&mut clock, &|_, _| ())
         .expect("a size and moments that can be drawn");
     print!("{}", timings.table().csv());
     for form in ["", ":published"] {
@@ -80,4 +88,15 @@ fn main() {
         study.rounds,
         began.elapsed().as_secs_f64()
     );
+}
+
+/// Time that this process's threads have run (the first number of each `schedstat`, in nanoseconds).
+fn processor_time() -> Duration {
+    let threads = std::fs::read_dir("/proc/self/task").expect("--cpu-time needs Linux");
+    let of_thread = |entry: std::io::Result<std::fs::DirEntry>| {
+        // A thread may end meanwhile.
+        let text = std::fs::read_to_string(entry.ok()?.path().join("schedstat")).ok()?;
+        text.split(' ').next()?.parse::<u64>().ok()
+    };
+    Duration::from_nanos(threads.filter_map(of_thread).sum())
 }

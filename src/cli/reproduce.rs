@@ -1,7 +1,7 @@
 use std::time::Instant;
 
 use foveasim_models::unknown_name;
-use foveasim_study::{Guenter2012, Meng2020, Stein2021};
+use foveasim_study::{Guenter2012, KernelErrors, KernelMeasured, KernelTimes, Meng2020, Stein2021};
 
 use super::context::Format;
 use super::{Context, Failure, options};
@@ -19,14 +19,16 @@ use super::{Context, Failure, options};
   foveasim reproduce guenter2012 --frames 48 --antialiasing-frames 0 --out times-only")]
 pub(crate) struct Args {
     /// The paper: guenter2012 (Foveated 3D Graphics), meng2020 (Eye-dominance-guided Foveated
-    /// Rendering: its equations, and what its Fig. 7 says of them), or stein2021 (latencies of three headsets, predicted
+    /// Rendering: its equations, what its Fig. 7 says of them, and times and errors measured), or stein2021 (latencies of three headsets, predicted
     /// from their presets)
     #[arg(value_name = "PAPER")]
     paper: String,
-    /// Moments of the fly-through at which Table 1 is measured; Figs 10 and 11 take a third [default: 8]
+    /// Moments of the fly-through at which things are measured; Figs 10 and 11 of guenter2012 take a third
+    /// [default: 8; meng2020: 4]
     #[arg(long, value_name = "N", conflicts_with = "quick")]
     frames: Option<u32>,
-    /// Pixels of the image; the field of view is that of the study's display [default: 1920x1080]
+    /// Pixels of the image, of each eye's for meng2020; the field of view is that of the study's display
+    /// [default: 1920x1080; meng2020: 1280x1440]
     #[arg(long, value_name = "WxH", value_parser = options::size, conflicts_with = "quick")]
     size: Option<[u32; 2]>,
     /// Consecutive frames on which antialiasing is judged against 8 x 8 samples to the pixel; 0 for none [default: 12]
@@ -87,20 +89,66 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
 const RUNS: u64 = 200_000;
 
 fn meng2020(args: &Args, ctx: &Context) -> Result<(), Failure> {
-    draws_nothing(args, "meng2020")?;
+    if args.antialiasing_frames.is_some() || args.antialiasing_size.is_some() {
+        let text = "meng2020 has no antialiasing: --antialiasing-* are for guenter2012";
+        return Err(Failure::bad_input(text));
+    }
+    let (times, errors) = measured(args, ctx);
     let mut outputs = ctx.outputs("out")?;
     let found = Meng2020::new()?;
-    for (name, bytes) in found.files() {
+    let bar = ctx.progress(1000, "starting");
+    let began = Instant::now();
+    let measured = KernelMeasured::run(&times, &errors, &mut || began.elapsed(), &|what, done| {
+        bar.set_message(what.to_owned());
+        bar.set_position((done * 1000.0) as u64);
+    })?;
+    bar.finish_and_clear();
+    for (name, bytes) in found.files().into_iter().chain(measured.files()) {
         outputs.add(name, bytes);
     }
-    outputs.add("report.html", found.page().html());
+    let mut page = found.page();
+    measured.add_to(&mut page);
+    outputs.add("report.html", page.html());
     let report = outputs.path("report.html");
     outputs.commit()?;
     ctx.print_table(&found.caption())?;
+    ctx.print_table(&measured.timings.table())?;
     if ctx.format == Format::Table {
         ctx.print(&format!("\nreport  {}\n", report.display()))?;
     }
     Ok(())
+}
+
+/// What is measured of Meng 2020, as flags have it.
+fn measured(args: &Args, ctx: &Context) -> (KernelTimes, KernelErrors) {
+    let (quick_times, quick_errors) = (KernelTimes::quick(), KernelErrors::quick());
+    if args.quick {
+        return (
+            KernelTimes {
+                seed: ctx.seed,
+                ..quick_times
+            },
+            KernelErrors {
+                seed: ctx.seed,
+                ..quick_errors
+            },
+        );
+    }
+    let moments = args.frames.unwrap_or(4);
+    let size = args.size.unwrap_or([1280, 1440]).into();
+    let times = KernelTimes {
+        size,
+        moments,
+        rounds: 7,
+        seed: ctx.seed,
+    };
+    let errors = KernelErrors {
+        size,
+        moments,
+        reference_samples: 8,
+        seed: ctx.seed,
+    };
+    (times, errors)
 }
 
 /// Refuses flags of a reproduction that draws.
@@ -112,7 +160,7 @@ fn draws_nothing(args: &Args, paper: &str) -> Result<(), Failure> {
         || args.quick;
     if drawn {
         let text = format!(
-            "{paper} draws nothing: --frames, --size, --antialiasing-* and --quick are for guenter2012"
+            "{paper} draws nothing: --frames, --size, --antialiasing-* and --quick are for papers that do"
         );
         return Err(Failure::bad_input(text));
     }

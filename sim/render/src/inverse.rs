@@ -5,7 +5,7 @@ use rayon::prelude::*;
 use crate::Simd;
 use crate::kernels::{FetchRow, LocateRow, PolarInverse, dispatch};
 use crate::live::grid;
-use crate::texels::Texels;
+use crate::texels::{Stretch, Texels};
 
 /// Looks each pixel up in the last pass, by the inverse of that pass's map: see
 /// [`Resolve::Inverse`](foveasim_models::Resolve::Inverse).
@@ -59,16 +59,17 @@ pub(crate) fn invert(
                     }
                 }
             }
+            let nearest = filter.interpolation == Interpolation::Nearest;
             let kernel = FetchRow {
                 texels: &texels,
-                nearest: filter.interpolation == Interpolation::Nearest,
+                nearest,
                 xs,
                 ys,
                 row,
             };
             let mut fetches = dispatch(simd, kernel);
             if let Some(finer) = &finer {
-                fetches += finer.average(&texels, y, row);
+                fetches += finer.average(&texels, y, row, if nearest { 1 } else { 4 });
             }
             Work {
                 pixels_resolved: row.len() as u64,
@@ -95,8 +96,7 @@ struct Finer<'a> {
 impl<'a> Finer<'a> {
     /// `None` if they nowhere do.
     fn new(map: &'a LogPolar, grid: UVec2) -> Option<Self> {
-        // Steps around grow outwards; where they are longer than a pixel, one sample along that axis is
-        // all there is, whatever the step outwards. Half a pixel: two samples to one.
+        // Half a pixel: two samples to one, along either axis.
         let is_finer = |x: &u32| {
             let steps = map.step_lengths(f64::from(*x) + 0.5);
             steps.iter().any(|step| *step <= 0.5)
@@ -109,11 +109,12 @@ impl<'a> Finer<'a> {
         })
     }
 
-    /// Makes those pixels of a row the mean of the samples in them; how many samples were read.
+    /// Makes those pixels of a row the mean of the samples in them, for which `read` samples each were read
+    /// before; how many more are read than without.
     ///
     /// A pixel reaches half a pixel to either side along the radius and across it. What a mip chain would
     /// approximate is exact here, and costs no more than each sample about once.
-    fn average(&self, texels: &Texels, y: u32, row: &mut [[f32; 3]]) -> u64 {
+    fn average(&self, texels: &Texels, y: u32, row: &mut [[f32; 3]], read: u64) -> u64 {
         let gaze = self.map.gaze_px();
         let dy = f64::from(y) + 0.5 - gaze.y;
         if dy.abs() > self.reach {
@@ -136,13 +137,21 @@ impl<'a> Finer<'a> {
             if high <= low + 1 && rows == 1 {
                 continue;
             }
-            let own = (at.x as u32).min(self.grid.x - 1);
-            let low = low.min(own);
-            let columns = low..high.max(own + 1).min(self.grid.x);
-            // The rows whose middles are nearest to the pixel's.
-            let top = (at.y - 0.5 * f64::from(rows)).round() as i64;
-            fetches += columns.len() as u64 * u64::from(rows);
-            *out = texels.mean(own, at.y as u32, columns, top, rows);
+            let own = [at.x, at.y].map(|c| c as u32);
+            let own = [own[0].min(self.grid.x - 1), own[1].min(self.grid.y - 1)];
+            // Along an axis with but one sample to the pixel, between the two beside it.
+            let across = match high.min(self.grid.x).saturating_sub(low) {
+                0 | 1 => Stretch::beside(at.x),
+                count => Stretch::Run(low.into(), count),
+            };
+            let down = match rows {
+                1 => Stretch::beside(at.y),
+                // The rows whose middles are nearest to the pixel's.
+                count => Stretch::Run((at.y - 0.5 * f64::from(rows)).round() as i64, count),
+            };
+            // In place of those that were read there: never more than four.
+            fetches += across.count() * down.count() - read;
+            *out = texels.mean(own, across, down);
         }
         fetches
     }

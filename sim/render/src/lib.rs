@@ -16,6 +16,9 @@
 //! * Shading comes after visibility: each surface seen in a sample is shaded once, where several positions
 //!   of it see the same triangle ([`Msaa`]) or several samples share a shading ([`Shading::Coarse`]) too.
 //! * Samples outside a pass's [`Region`] are neither tested nor shaded.
+//! * A [`Map`] may put samples anywhere on the display: their positions are rounded to the grid that vertices are
+//!   snapped to, and coverage is as exact as elsewhere.
+//! * [`render_stereo`] draws both eyes of a head, and does once what is the same for both.
 //! * A [`Sequence`] draws frame after frame: samples move within their cells, are blended with what was
 //!   seen of the same surface before, and passes are drawn in the frames of their cadence.
 //! * What the picture does not need is left out, and can be done all the same to see what that saves:
@@ -27,7 +30,8 @@
 //!
 //! # Simplifications
 //!
-//! * Still views and affine maps only.
+//! * Still views only.
+//! * Passes whose samples do not lie evenly have no history in a [`Sequence`].
 //! * [`render`] draws every pass afresh, whatever its cadence; a [`Sequence`] knows what the frames before
 //!   have drawn.
 //! * One sun and a sky, no shadows, transparency or normal maps.
@@ -39,6 +43,7 @@
 //! [`Msaa`]: foveasim_models::Msaa
 //! [`Shading::Coarse`]: foveasim_models::Shading::Coarse
 //! [`Region`]: foveasim_models::Region
+//! [`Map`]: foveasim_models::Map
 
 mod bvh;
 mod error;

@@ -533,8 +533,13 @@ impl<'a> Drawing<'a> {
         );
         detailed.clear();
         if self.has_details {
+            // A place beside its triangle reads them whatever the material.
+            let all_read = self.msaa != Msaa::One || self.rates.0.is_some();
             detailed.extend(visible.map(|(t, vertices)| {
                 let needs = self.needs[self.material(t)];
+                if !(all_read || needs.object || needs.uv) {
+                    return Details::UNREAD;
+                }
                 details(
                     self.scene,
                     self.geometry,

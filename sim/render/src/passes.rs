@@ -16,6 +16,9 @@ pub(crate) struct Drawn {
     pub(crate) shared: Work,
 }
 
+/// Transforms the vertices of instances and meshes.
+type Transform<'a> = dyn Fn(&[(u32, u32)]) -> ViewGeometry + 'a;
+
 /// Draws the passes of a plan that are `due`, with vertices transformed once for all of them; `memory`
 /// is what the first ones can use.
 pub(crate) fn draw_passes(
@@ -71,7 +74,7 @@ pub(crate) fn draw_objects(
     view: &View,
     plan: &SamplePlan,
     objects: &[Option<PassObjects>],
-    geometry: &dyn Fn(&[(u32, u32)]) -> ViewGeometry,
+    geometry: &Transform<'_>,
     options: &RenderOptions,
     keep_geometry: bool,
     memory: Vec<PassMemory>,

@@ -1,5 +1,3 @@
-use std::ops::Range;
-
 use foveasim_models::{Image, Region};
 use glam::UVec2;
 use rayon::prelude::*;
@@ -82,21 +80,14 @@ impl Texels {
         Self { rgba, ..*self }
     }
 
-    /// The mean of the live ones in `columns` of `count` rows from `top` on; `x`, `y` is one that counts in
-    /// any case.
-    pub(crate) fn mean(
-        &self,
-        x: u32,
-        y: u32,
-        columns: Range<u32>,
-        top: i64,
-        count: u32,
-    ) -> [f32; 3] {
-        let mut sum = Sum::around(self.live_near(x, y.min(self.size.y - 1)));
-        for k in 0..i64::from(count) {
-            let row = self.row_at(top + k);
-            for x in columns.clone() {
-                sum.add(self.at(x, row), 1.0);
+    /// The mean of the live ones in a rectangle; `own` is one that counts in any case.
+    pub(crate) fn mean(&self, own: [u32; 2], across: Stretch, down: Stretch) -> [f32; 3] {
+        let mut sum = Sum::around(self.live_near(own[0], own[1]));
+        for (y, height) in down.places() {
+            let row = self.row_at(y);
+            for (x, width) in across.places() {
+                let column = x.clamp(0, i64::from(self.size.x) - 1);
+                sum.add(self.at(column as u32, row), width * height);
             }
         }
         sum.mean()
@@ -130,6 +121,39 @@ impl Texels {
             }
         }
         [0.0; 4]
+    }
+}
+
+/// Texels along one axis, and how much each counts.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(crate) enum Stretch {
+    /// So many from a first one on, all alike.
+    Run(i64, u32),
+    /// The two beside a place, and the share of the second.
+    Between(i64, f32),
+}
+
+impl Stretch {
+    /// The two beside lattice position `at`.
+    pub(crate) fn beside(at: f64) -> Self {
+        let low = (at - 0.5).floor();
+        Self::Between(low as i64, (at - 0.5 - low) as f32)
+    }
+
+    /// How many texels are read.
+    pub(crate) fn count(self) -> u64 {
+        match self {
+            Self::Run(_, count) => count.into(),
+            Self::Between(..) => 2,
+        }
+    }
+
+    fn places(self) -> impl Iterator<Item = (i64, f32)> {
+        let (first, weights) = match self {
+            Self::Run(first, _) => (first, [1.0, 1.0]),
+            Self::Between(first, share) => (first, [1.0 - share, share]),
+        };
+        (0..self.count() as usize).map(move |k| (first + k as i64, weights[k.min(1)]))
     }
 }
 

@@ -2,7 +2,9 @@
 
 mod errors;
 mod pair;
+mod report;
 mod times;
 
 pub use errors::{KernelErrorRow, KernelErrors, KernelRing};
+pub use report::KernelMeasured;
 pub use times::{KernelTimeRow, KernelTimes, KernelTimings};

@@ -11,7 +11,6 @@
 //! * [`StereoStudy`]: one frame of both eyes of a headset;
 //! * [`TemporalStudy`]: consecutive frames beside a [`supersampled`] reference: what flickers;
 //! * [`KernelTimes`], [`KernelErrors`]: what kernel foveated rendering pays in time and costs in error;
-//! * [`Guenter2012`]: a paper's tables and figures, ours beside theirs;
 //! * [`Guenter2012`], [`Meng2020`]: a paper's tables and figures, ours beside theirs;
 //! * [`Scenario`] and [`run()`]: all of it, in one report.
 
@@ -39,7 +38,8 @@ pub use chain::{Chain, ChainSpec, DriftSpec, HeadSampling, PARTS, Part, render_l
 pub use events::EventStudy;
 pub use frame::{Drawing, FrameError, FrameOutcome, FrameStudy, Shot, Sight};
 pub use kernel::{
-    KernelErrorRow, KernelErrors, KernelRing, KernelTimeRow, KernelTimes, KernelTimings,
+    KernelErrorRow, KernelErrors, KernelMeasured, KernelRing, KernelTimeRow, KernelTimes,
+    KernelTimings,
 };
 pub use latency::{
     Band, Budget, FIG5_READINGS, Fig5Reading, Fig5Result, Histogram, KNOBS, Knob, LatencyError,

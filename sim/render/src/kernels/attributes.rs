@@ -33,6 +33,8 @@ impl Details {
     /// Object units per metre; texture units per metre.
     pub(crate) const PER_METRE: usize = 30;
     pub(crate) const COUNT: usize = 32;
+    /// Of a triangle whose details nothing reads.
+    pub(crate) const UNREAD: Self = Self([0.0; Self::COUNT]);
 }
 
 /// Room for what lies side by side of blocks, but not of fragments.

@@ -147,9 +147,8 @@ impl<'a> Target<'a> {
     fn large(&self, at: &[[i32; LANES]; 2]) -> u32 {
         let [ax, ay] = self.t.corners[0];
         let mut inside = 0;
-        for lane in 0..LANES {
-            let x = i64::from(at[0][lane]) - i64::from(ax);
-            let y = i64::from(at[1][lane]) - i64::from(ay);
+        for (lane, (x, y)) in at[0].iter().zip(&at[1]).enumerate() {
+            let (x, y) = (i64::from(*x) - i64::from(ax), i64::from(*y) - i64::from(ay));
             let mut all = 0i64;
             for ([dx, dy], value) in self.edges {
                 all |= value + dx * y - dy * x;
@@ -223,7 +222,7 @@ impl Drawing<'_> {
                 & load(&boxes.high[0]).simd_ge(x[0])
                 & load(&boxes.low[1]).simd_le(y[1])
                 & load(&boxes.high[1]).simd_ge(y[0]);
-            cells |= u64::from(met.to_bitmask()) << first;
+            cells |= met.to_bitmask() << first;
         }
         cells
     }

@@ -267,13 +267,13 @@ mod tests {
             rounds: 2,
             ..KernelTimes::quick()
         };
-        let mut asked = 0u64;
+        let asked = std::cell::Cell::new(0u64);
         let mut clock = || {
-            asked += 1;
-            Duration::from_millis(asked * asked)
+            asked.set(asked.get() + 1);
+            Duration::from_millis(asked.get() * asked.get())
         };
         let timings = study.run(&mut clock, &|_, _| ()).unwrap();
-        assert_eq!(asked, 2 * 2 * 2 * (METHODS.len() as u64 + 1));
+        assert_eq!(asked.get(), 2 * 2 * 2 * (METHODS.len() as u64 + 1));
         assert_eq!(timings.rows.len(), METHODS.len());
         let kernel = timings.row("kfr:2:4").unwrap();
         assert!((kernel.buffer_ratio - 4.0).abs() < 1e-9);

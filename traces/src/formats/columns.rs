@@ -19,6 +19,13 @@ pub(crate) fn called(wanted: &str, name: &str) -> bool {
 }
 
 fn unquoted(field: &str) -> &str {
+    // What begins and ends with a digit or a letter has neither spaces nor quotes around it.
+    if let [first, .., last] = field.as_bytes()
+        && first.is_ascii_alphanumeric()
+        && last.is_ascii_alphanumeric()
+    {
+        return field;
+    }
     let field = field.trim();
     field
         .strip_prefix('"')

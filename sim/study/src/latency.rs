@@ -16,10 +16,11 @@ mod result;
 mod sensitivity;
 
 use foveasim_models::{
-    Display, DrawnCost, Durations, FixedCost, ModelError, Nanos, Role, Stream, Tracker,
+    Display, DrawnCost, Durations, FixedCost, FrameCost, ModelError, Nanos, Role, Stream, Tracker,
 };
 use foveasim_pipeline::{
-    Interval, Movement, Phases, Pipeline, Runtime, Sensed, Setup, Stage, StageBounds, SyncMode,
+    BoundKind, Interval, Movement, Phases, Pipeline, Runtime, Sensed, Setup, Stage, StageBounds,
+    SyncMode,
 };
 use rayon::prelude::*;
 use thiserror::Error;
@@ -156,10 +157,14 @@ impl LatencyStudy {
         self.band.edges(self.chain.scan(), response)
     }
 
-    /// The exact shortest and longest time of every quantity, by interval analysis; what is exact, and
-    /// where a bound need not be reached, is said of [`StageBounds`].
+    /// The shortest and longest time of every quantity, by interval analysis.
     pub fn bounds(&self) -> Vec<Interval> {
         Frame::new(self).all
+    }
+
+    /// Whether those bounds are reached, or only hold; see [`StageBounds`].
+    pub fn bound_kinds(&self) -> Vec<BoundKind> {
+        Frame::new(self).kinds
     }
 
     /// Draws the clocks of run number `run`: independent and uniform.
@@ -183,6 +188,11 @@ impl LatencyStudy {
         let head_wait = match head.get(Stage::TrackerWait).max {
             Nanos::ZERO => Nanos::ZERO,
             longest => within(longest),
+        };
+        // Frames in flight that are late take turns: runs begin at any of them.
+        let begin = match frame.turn {
+            Nanos::ZERO => begin,
+            turn => begin - within(turn),
         };
         RunStart {
             phases,
@@ -215,10 +225,22 @@ impl LatencyStudy {
             seed,
             run,
         };
+        self.simulate_cost(frame, pipeline, &cost, [seed, run], start)
+    }
+
+    /// Simulates one run whose frames take what `cost` says.
+    fn simulate_cost(
+        &self,
+        frame: &Frame,
+        pipeline: &mut Pipeline,
+        cost: &dyn FrameCost,
+        [seed, run]: [u64; 2],
+        start: RunStart,
+    ) -> (LatencySample, u64) {
         let setup = Setup {
             seed,
             run,
-            ..self.chain.setup(&cost, start.phases)
+            ..self.chain.setup(cost, start.phases)
         };
         let sampled = start.head_wait;
         let known = sampled + self.chain.head.delay;
@@ -281,6 +303,7 @@ impl LatencyStudy {
         Ok(LatencyResult {
             histograms,
             bounds,
+            bound_kinds: frame.kinds.clone(),
             extremes: extremes
                 .map(|pair| pair.map(|run| run.expect("there was at least one run").sample)),
             events,
@@ -303,14 +326,17 @@ fn check_runs(runs: u64) -> Result<(), LatencyError> {
 struct Frame {
     /// Of gaze and of motion.
     bounds: [StageBounds; 2],
-    /// Of every quantity.
+    /// Of every quantity, and whether they are reached.
     all: Vec<Interval>,
+    kinds: Vec<BoundKind>,
     edges: band::Edges,
     /// Longest time between exposures, and between ticks of the host's clock.
     exposures: Nanos,
     host_period: Nanos,
     /// What the loop needs, from its start, to run as it always does.
     settling: Nanos,
+    /// What it does in turns lasts this long; 0 if it does not.
+    turn: Nanos,
     /// By then every quantity has been seen.
     end: Nanos,
 }
@@ -319,6 +345,9 @@ struct Frame {
 /// than that is as good as empty.
 const MOST_SETTLING: i64 = 64;
 
+/// Of a longer turn that frames in flight take, runs begin anywhere in so many refreshes.
+const LONGEST_TURN: i64 = 256;
+
 impl Frame {
     fn new(study: &LatencyStudy) -> Self {
         let chain = &study.chain;
@@ -326,10 +355,11 @@ impl Frame {
         let head = study.stage_bounds(chain.head_movement());
         let edges = study.edges();
         let longest = gaze.total().max.max(head.total().max);
-        let all = QUANTITIES.iter().map(|q| {
-            let stages = if q.is_motion() { &head } else { &gaze };
-            q.bounds(stages, &edges, chain.sync)
-        });
+        let of = |q: &Quantity| if q.is_motion() { &head } else { &gaze };
+        let all = QUANTITIES
+            .iter()
+            .map(|q| q.bounds(of(q), &edges, chain.sync));
+        let kinds = QUANTITIES.iter().map(|q| q.bound_kind(of(q), &edges));
         let (render, period) = (chain.render.max(), -chain.host_rate.tick(-1));
         let settling = match chain.runtime == Runtime::default() {
             true => Nanos::ZERO,
@@ -339,10 +369,12 @@ impl Frame {
                 let frames = ahead * render.0 / (render - period).0 + ahead;
                 render * frames.min(MOST_SETTLING)
             }
-            false => gaze.host_cycle * 4 + gaze.refresh * 4,
+            false => gaze.host_cycle * 4 + gaze.refresh * 4 + gaze.settling,
         };
         Self {
             all: all.collect(),
+            kinds: kinds.collect(),
+            turn: gaze.turn.min(gaze.refresh * LONGEST_TURN),
             edges,
             exposures: -chain.tracker.rate.tick(-1),
             // A host at the display's rate may be given the display's own rounding.

@@ -3,6 +3,7 @@ use foveasim_pipeline::STAGES;
 
 use super::*;
 
+mod guenter;
 mod properties;
 mod search;
 mod sensitivity;

@@ -15,7 +15,7 @@ use foveasim_study::{
 use foveasim_traces::{EventOptions, StreamedRecording, decimate_gaze, read_path};
 
 use super::chain::ChainFlags;
-use super::trace::{self, ReadFlags};
+use super::trace::ReadFlags;
 use super::{Context, Failure, options};
 use show::Show;
 
@@ -90,7 +90,7 @@ pub(crate) struct Args {
     suppression_before_ms: Option<f64>,
     /// Replay the recording with its gaze decimated to this rate as well [Hz], and say what that does to
     /// the 95th percentiles of --phases
-    #[arg(long, value_name = "HZ", value_parser = trace::rate, conflicts_with_all = ["digest", "check"])]
+    #[arg(long, value_name = "HZ", value_parser = options::rate, conflicts_with_all = ["digest", "check"])]
     decimate: Option<Rate>,
     /// Print only the table's digest
     #[arg(long, conflicts_with = "check")]

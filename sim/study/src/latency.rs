@@ -8,8 +8,11 @@
 
 mod band;
 mod charts;
+mod frame;
 mod histogram;
+mod knob;
 mod observer;
+mod partial;
 mod quantity;
 mod reading;
 mod result;
@@ -19,8 +22,7 @@ use foveasim_models::{
     Display, DrawnCost, Durations, FixedCost, FrameCost, ModelError, Nanos, Role, Stream, Tracker,
 };
 use foveasim_pipeline::{
-    BoundKind, Interval, Movement, Phases, Pipeline, Runtime, Sensed, Setup, Stage, StageBounds,
-    SyncMode,
+    BoundKind, Interval, Movement, Phases, Pipeline, Sensed, Setup, Stage, StageBounds, SyncMode,
 };
 use rayon::prelude::*;
 use thiserror::Error;
@@ -28,13 +30,16 @@ use thiserror::Error;
 pub use band::Band;
 pub use charts::tornado;
 pub use histogram::Histogram;
+pub use knob::{KNOBS, Knob};
 pub use quantity::{QUANTITIES, Quantity, ROWS, Rows};
 pub use reading::{FIG5_READINGS, Fig5Reading, Fig5Result};
 pub use result::LatencyResult;
-pub use sensitivity::{Budget, KNOBS, Knob, Sensitivity, sensitivity_table};
+pub use sensitivity::{Budget, Sensitivity, sensitivity_table};
 
 use crate::Chain;
+use frame::Frame;
 use observer::Observer;
+use partial::Partial;
 
 /// Why a latency study cannot be made.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -319,125 +324,6 @@ fn check_runs(runs: u64) -> Result<(), LatencyError> {
             value: runs.to_string(),
             valid: format!("from 1 to {MAX_RUNS}"),
         }),
-    }
-}
-
-/// What all runs of a study share.
-struct Frame {
-    /// Of gaze and of motion.
-    bounds: [StageBounds; 2],
-    /// Of every quantity, and whether they are reached.
-    all: Vec<Interval>,
-    kinds: Vec<BoundKind>,
-    edges: band::Edges,
-    /// Longest time between exposures, and between ticks of the host's clock.
-    exposures: Nanos,
-    host_period: Nanos,
-    /// What the loop needs, from its start, to run as it always does.
-    settling: Nanos,
-    /// What it does in turns lasts this long; 0 if it does not.
-    turn: Nanos,
-    /// By then every quantity has been seen.
-    end: Nanos,
-}
-
-/// The most frames for which a loop is given time to settle: a queue that frames fill more slowly
-/// than that is as good as empty.
-const MOST_SETTLING: i64 = 64;
-
-/// Of a longer turn that frames in flight take, runs begin anywhere in so many refreshes.
-const LONGEST_TURN: i64 = 256;
-
-impl Frame {
-    fn new(study: &LatencyStudy) -> Self {
-        let chain = &study.chain;
-        let gaze = study.stage_bounds(Movement::Gaze);
-        let head = study.stage_bounds(chain.head_movement());
-        let edges = study.edges();
-        let longest = gaze.total().max.max(head.total().max);
-        let of = |q: &Quantity| if q.is_motion() { &head } else { &gaze };
-        let all = QUANTITIES
-            .iter()
-            .map(|q| q.bounds(of(q), &edges, chain.sync));
-        let kinds = QUANTITIES.iter().map(|q| q.bound_kind(of(q), &edges));
-        let (render, period) = (chain.render.max(), -chain.host_rate.tick(-1));
-        let settling = match chain.runtime == Runtime::default() {
-            true => Nanos::ZERO,
-            // A free host fills its queue by what each frame takes too long.
-            false if chain.sync != SyncMode::Vsync && render > period => {
-                let ahead = i64::from(chain.runtime.in_flight);
-                let frames = ahead * render.0 / (render - period).0 + ahead;
-                render * frames.min(MOST_SETTLING)
-            }
-            false => gaze.host_cycle * 4 + gaze.refresh * 4 + gaze.settling,
-        };
-        Self {
-            all: all.collect(),
-            kinds: kinds.collect(),
-            turn: gaze.turn.min(gaze.refresh * LONGEST_TURN),
-            edges,
-            exposures: -chain.tracker.rate.tick(-1),
-            // A host at the display's rate may be given the display's own rounding.
-            host_period: match chain.host_rate == chain.display.scan.rate {
-                true => gaze.refresh,
-                false => period,
-            },
-            settling,
-            // The last answer comes at most two scans after the first flip, plus the end of its scan.
-            end: longest + gaze.refresh * 4,
-            bounds: [gaze, head],
-        }
-    }
-}
-
-struct Partial {
-    histograms: Vec<Histogram>,
-    pipeline: Pipeline,
-    /// Fastest and slowest, of gaze and of motion.
-    extremes: [[Option<Extreme>; 2]; 2],
-    events: u64,
-}
-
-/// A run that is faster, or slower, than all others; of equals, the first.
-#[derive(Debug, Clone, Copy)]
-struct Extreme {
-    time: Nanos,
-    run: u64,
-    sample: LatencySample,
-}
-
-impl Partial {
-    fn see(&mut self, run: u64, sample: &LatencySample) {
-        for (pair, of) in self
-            .extremes
-            .iter_mut()
-            .zip([Quantity::Gaze, Quantity::Motion])
-        {
-            let time = sample[of(Rows::Gaze).index()];
-            for (slowest, best) in pair.iter_mut().enumerate() {
-                let beaten = best.is_none_or(|b| match slowest {
-                    0 => (time, run) < (b.time, b.run),
-                    _ => (-time, run) < (-b.time, b.run),
-                });
-                if beaten {
-                    let sample = *sample;
-                    *best = Some(Extreme { time, run, sample });
-                }
-            }
-        }
-    }
-
-    fn merge(mut self, other: Self) -> Self {
-        for (mine, theirs) in self.histograms.iter_mut().zip(&other.histograms) {
-            mine.merge(theirs);
-        }
-        self.events += other.events;
-        for pair in other.extremes {
-            for extreme in pair.into_iter().flatten() {
-                self.see(extreme.run, &extreme.sample);
-            }
-        }
-        self
     }
 }
 

@@ -3,6 +3,7 @@ use foveasim_pipeline::STAGES;
 
 use super::*;
 
+mod chains;
 mod guenter;
 mod properties;
 mod search;

@@ -1,4 +1,5 @@
 mod host;
+mod locked;
 mod queue;
 mod ticks;
 
@@ -8,7 +9,7 @@ use crate::{Interval, Missed, STAGES, Setup, Stage, SyncMode};
 use host::Host;
 use ticks::{longest, periods};
 
-pub use host::LockedFlip;
+pub use locked::LockedFlip;
 pub use ticks::until;
 
 /// Which movement is answered.

@@ -143,10 +143,11 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
         Some(measured) => measured,
         None => &drawn,
     };
-    let show = Show {
+    let mut show = Show {
         ctx,
         golden: golden.as_ref().zip(args.check.as_deref()),
         digest: args.digest,
+        notes: Vec::new(),
     };
     let whole = study.is_some() || outputs.is_some();
     let streamed = match whole {
@@ -155,7 +156,7 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
     };
     if let Some(recording) = streamed {
         let start = recording.span().map_or(Nanos::ZERO, |(start, _)| start);
-        recording.notes.iter().for_each(|note| ctx.warn(note));
+        show.notes.clone_from(&recording.notes);
         return show.rows(start, &|each| {
             replay_streamed(&recording, display, tracker, cost, &options, each)
         });
@@ -184,10 +185,9 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
         _ => None,
     };
 
-    recording.notes.iter().for_each(|note| ctx.warn(note));
-    for warning in phases.iter().filter_map(GazePhases::warning) {
-        ctx.warn(&warning);
-    }
+    show.notes.clone_from(&recording.notes);
+    let slow = phases.iter().filter_map(GazePhases::warning);
+    show.notes.extend(slow);
     if let Some(mut outputs) = outputs.take() {
         outputs.add("replay.csv", out.table().csv());
         outputs.add(

@@ -17,6 +17,8 @@ pub(super) struct Show<'a> {
     /// What it is compared with, and where that was.
     pub(super) golden: Option<(&'a Golden, &'a Path)>,
     pub(super) digest: bool,
+    /// What is to be known of the recording, once it has been replayed.
+    pub(super) notes: Vec<String>,
 }
 
 /// Gives all displayed frames, in order, as often as it is called.
@@ -98,7 +100,8 @@ impl Show<'_> {
 
     /// Notes, and the summary for people.
     pub(super) fn about(&self, notes: &[String], summary: &ReplaySummary) {
-        notes.iter().for_each(|note| self.ctx.warn(note));
+        let notes = self.notes.iter().chain(notes);
+        notes.for_each(|note| self.ctx.warn(note));
         summary.lines().iter().for_each(|line| self.ctx.note(line));
     }
 }

@@ -221,11 +221,6 @@ fn recording(page: &mut Page, run: &Run, scenario: &Scenario) -> Result<(), RunE
          that picture had been drawn. Saccades stand out: the picture follows one latency later.",
         &run.replay.gaze_error_chart(phases.as_ref()).svg(),
     );
-    page.svg(
-        "How old each picture was: from the start of the exposure whose gaze it used to the light of the row \
-         looked at. Over a blink or a loss the last gaze is held, and ages.",
-        &run.replay.latency_chart(phases.as_ref()).svg(),
-    );
     if let Some(phases) = &phases {
         let spec = PhaseSpec {
             display: &scenario.display,
@@ -236,14 +231,19 @@ fn recording(page: &mut Page, run: &Run, scenario: &Scenario) -> Result<(), RunE
         let study = PhaseStudy::new(&run.replay, phases, &spec)?;
         page.table(
             &format!(
-                "The same angle by what the eye did: in fixations, in saccades, and up to {} ms after landing; \
-                 beside it, what margins that cover it cost {}, and how often a jump beyond them would be seen",
+                "That angle by what the eye did: in fixations, in saccades, and up to {} ms after landing; beside it, \
+                 what margins that cover it cost with {}, and how often a jump beyond them would be seen",
                 LANDING.as_ms(),
                 scenario.featured()
             ),
             &study.table(None),
         );
     }
+    page.svg(
+        "How old each picture was: from the start of the exposure whose gaze it used to the light of the row \
+         looked at. Over a blink or a loss the last gaze is held, and ages.",
+        &run.replay.latency_chart(phases.as_ref()).svg(),
+    );
     page.details("What was recorded", |page| -> Result<(), RunError> {
         page.table("", &run.recording_table());
         Ok(())

@@ -33,6 +33,7 @@ pub mod foveation;
 mod gaze;
 mod geometry;
 pub mod math;
+mod outline;
 mod plan;
 mod predict;
 pub mod presets;
@@ -54,6 +55,7 @@ pub use durations::Durations;
 pub use error::{ModelError, closest, toml_error, unknown_name};
 pub use gaze::{GazeDirection, GazeMode};
 pub use geometry::{Pose, Rect, exp_so3, log_so3};
+pub use outline::{OutlineSketch, SeriesOutline};
 pub use plan::{
     Affine, Cadence, CellMask, Feather, Filter, Interpolation, Lattice, LensMatched, LogPolar, Map,
     Msaa, Pass, PassCount, PlanCount, Region, Resolve, SamplePlan, Shading, ShadingRate, Spacing,

@@ -1,5 +1,6 @@
 use foveasim_models::math::log10;
-use sha2::{Digest, Sha256};
+
+use crate::{TableDigest, TableWriter, TextLayout};
 
 /// One value of a table.
 #[derive(Debug, Clone, PartialEq)]
@@ -56,96 +57,36 @@ impl Table {
 
     /// As CSV with a header line; floats in the shortest form that reads back to the same bits.
     pub fn csv(&self) -> String {
-        let mut writer = csv::Writer::from_writer(Vec::new());
-        let header = writer.write_record(&self.columns);
-        let rows = self
-            .rows
-            .iter()
-            .try_for_each(|row| writer.write_record(row.iter().map(exact)));
-        header.and(rows).expect("writing to memory");
-        let bytes = writer.into_inner().expect("writing to memory");
-        String::from_utf8(bytes).expect("cells are UTF-8")
+        self.written(TableWriter::csv(Vec::new(), self.columns.iter()))
     }
 
     /// As a JSON array of objects; missing and non-finite values are `null`.
     pub fn json(&self) -> String {
-        let object = |row: &Vec<Cell>| {
-            let fields = self
-                .columns
-                .iter()
-                .cloned()
-                .zip(row.iter().map(Cell::to_json));
-            serde_json::Value::Object(fields.collect())
-        };
-        let rows: Vec<_> = self.rows.iter().map(object).collect();
-        let mut text = serde_json::to_string_pretty(&rows).expect("plain values");
-        text.push('\n');
-        text
+        self.written(TableWriter::json(Vec::new(), self.columns.iter()))
     }
 
     /// As aligned columns for people.
     pub fn text(&self) -> String {
-        let cells: Vec<Vec<String>> = self
-            .rows
-            .iter()
-            .map(|r| r.iter().map(|cell| readable(cell, 6)).collect())
-            .collect();
-        let widths: Vec<usize> = (0..self.columns.len())
-            .map(|c| {
-                let cell = cells
-                    .iter()
-                    .map(|r| r[c].chars().count())
-                    .max()
-                    .unwrap_or(0);
-                cell.max(self.columns[c].chars().count())
-            })
-            .collect();
-        let numeric: Vec<bool> = (0..self.columns.len())
-            .map(|c| !self.rows.iter().any(|r| matches!(r[c], Cell::Text(_))))
-            .collect();
-        let line = |row: &[String]| {
-            let padded = row
-                .iter()
-                .zip(&widths)
-                .zip(&numeric)
-                .map(|((cell, &w), &right)| {
-                    if right {
-                        format!("{cell:>w$}")
-                    } else {
-                        format!("{cell:<w$}")
-                    }
-                });
-            format!("{}\n", padded.collect::<Vec<_>>().join("  ").trim_end())
-        };
-        std::iter::once(line(&self.columns))
-            .chain(cells.iter().map(|r| line(r)))
-            .collect()
+        let mut layout = TextLayout::new(&self.columns);
+        self.rows.iter().for_each(|row| layout.add(row));
+        self.written(TableWriter::text(Vec::new(), self.columns.iter(), layout))
+    }
+
+    fn written(&self, mut writer: TableWriter<Vec<u8>>) -> String {
+        let rows = self.rows.iter().try_for_each(|row| writer.row(row));
+        let bytes = rows.and_then(|()| writer.finish());
+        String::from_utf8(bytes.expect("writing to memory")).expect("cells are UTF-8")
     }
 
     /// SHA-256 of the column names and values (not of any file form), as 64 hexadecimal digits.
     pub fn digest(&self) -> String {
-        let mut hash = Sha256::new();
-        let mut field = |tag: u8, bytes: &[u8]| {
-            hash.update([tag]);
-            hash.update((bytes.len() as u64).to_le_bytes());
-            hash.update(bytes);
-        };
-        for column in &self.columns {
-            field(0, column.as_bytes());
-        }
-        for cell in self.rows.iter().flatten() {
-            match cell {
-                Cell::Text(s) => field(1, s.as_bytes()),
-                Cell::Int(i) => field(2, &i.to_le_bytes()),
-                Cell::Float(f) => field(3, &f.to_bits().to_le_bytes()),
-                Cell::Empty => field(4, &[]),
-            }
-        }
-        hash.finalize().iter().map(|b| format!("{b:02x}")).collect()
+        let mut digest = TableDigest::new(&self.columns);
+        self.rows.iter().for_each(|row| digest.row(row));
+        digest.finish()
     }
 }
 
-fn exact(cell: &Cell) -> String {
+pub(crate) fn exact(cell: &Cell) -> String {
     match cell {
         Cell::Text(s) => s.clone(),
         Cell::Int(i) => i.to_string(),
@@ -254,6 +195,16 @@ mod tests {
             "stage  mean_ms  n\na,b       1.25  3\nc          NaN\n"
         );
         assert!(sample().json().contains("\"mean_ms\": null"));
+    }
+
+    #[test]
+    fn json_is_laid_out_as_the_whole_would_be() {
+        let rows: serde_json::Value = serde_json::from_str(&sample().json()).unwrap();
+        let whole = serde_json::to_string_pretty(&rows).unwrap() + "\n";
+        assert_eq!(sample().json(), whole);
+        let none = Table::new(["a", "b"]);
+        assert_eq!((none.json(), none.csv()), ("[]\n".into(), "a,b\n".into()));
+        assert_eq!(none.text(), "a  b\n");
     }
 
     #[test]

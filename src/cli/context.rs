@@ -63,9 +63,15 @@ impl Context {
     /// Prints text on standard output as it is.
     pub(crate) fn print(&self, text: &str) -> Result<(), Failure> {
         let mut out = std::io::stdout().lock();
-        match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {
+        Self::delivered(out.write_all(text.as_bytes()).and_then(|()| out.flush()))
+    }
+
+    /// What became of writing to standard output.
+    pub(crate) fn delivered<T>(written: std::io::Result<T>) -> Result<(), Failure> {
+        match written {
             Err(e) if e.kind() == std::io::ErrorKind::BrokenPipe => Err(Failure::PipeClosed),
-            other => Ok(other?),
+            Err(e) => Err(e.into()),
+            Ok(_) => Ok(()),
         }
     }
 

@@ -11,7 +11,7 @@ use super::{Context, Failure, options};
 /// Gaze-to-photon and motion-to-photon latency from best to worst case, stage by stage.
 ///
 /// Gaze steps at a random time, and the head moves; all clocks have random phases; every run simulates
-/// the whole chain from the tracker's exposure to light. Beside the simulation stand the exact bounds.
+/// the whole chain from the tracker's exposure to light. Beside the simulation stand its bounds, exact or outer.
 #[derive(Debug, clap::Args)]
 #[command(after_help = "Examples:
   foveasim latency

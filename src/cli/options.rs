@@ -1,6 +1,6 @@
 //! Flags that several subcommands share, and how their texts become valid values.
 
-use foveasim_models::{Acuity, Display, Durations, Nanos, Tracker};
+use foveasim_models::{Acuity, Display, Durations, Nanos, Rate, Tracker};
 use foveasim_study::render_law;
 
 use super::Failure;
@@ -73,4 +73,47 @@ pub(crate) fn milliseconds(flag: &str, ms: f64) -> Result<Nanos, Failure> {
         return Err(Failure::bad_input(text));
     }
     Ok(Nanos::from_ms(ms))
+}
+
+/// `10s`, `250ms`, or a number of seconds.
+pub(crate) fn duration(text: &str) -> Result<Nanos, String> {
+    const DAY_S: f64 = 86_400.0;
+    let (number, unit_s) = match text.strip_suffix("ms") {
+        Some(number) => (number, 1e-3),
+        None => (text.strip_suffix('s').unwrap_or(text), 1.0),
+    };
+    match number.trim().parse::<f64>().map(|n| n * unit_s) {
+        Ok(s) if (0.0..=DAY_S).contains(&s) => Ok(Nanos::from_secs(s)),
+        _ => Err(format!(
+            "want a time from 0 to {DAY_S} s, as in 10s, 250ms or 2.5"
+        )),
+    }
+}
+
+pub(crate) fn seconds_range(text: &str) -> Result<(Nanos, Nanos), String> {
+    let error = || "want START..END in seconds, START before END, as in 2..5.5".to_owned();
+    let (from, to) = text
+        .trim_end_matches('s')
+        .split_once("..")
+        .ok_or_else(error)?;
+    let (from, to) = (duration(from)?, duration(to)?);
+    if from < to {
+        Ok((from, to))
+    } else {
+        Err(error())
+    }
+}
+
+pub(crate) fn rate(text: &str) -> Result<Rate, String> {
+    let hz = text
+        .parse()
+        .map_err(|_| "want a number of hertz, as in 300".to_owned())?;
+    Rate::from_hz("resample", hz).map_err(|e| e.to_string())
+}
+
+/// `WxH`: two numbers, range checked where they are used.
+pub(crate) fn sides(text: &str) -> Result<[f64; 2], String> {
+    text.split_once('x')
+        .and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]))
+        .ok_or_else(|| "want WIDTHxHEIGHT, as in 528x297".to_owned())
 }

@@ -1,3 +1,5 @@
+mod show;
+
 use std::path::{Path, PathBuf};
 
 use foveasim_models::foveation::Method;
@@ -7,13 +9,15 @@ use foveasim_models::{
 };
 use foveasim_pipeline::SyncMode;
 use foveasim_study::{
-    GazePhases, Golden, PhaseSpec, PhaseStudy, ReplayOptions, SUPPRESSION, head_predictor, replay,
+    GazePhases, Golden, PhaseSpec, PhaseStudy, ReplayOptions, Suppression, head_predictor, replay,
+    replay_streamed,
 };
-use foveasim_traces::{EventOptions, decimate_gaze, read_path};
+use foveasim_traces::{EventOptions, StreamedRecording, decimate_gaze, read_path};
 
 use super::chain::ChainFlags;
-use super::trace::{self, ReadFlags};
+use super::trace::ReadFlags;
 use super::{Context, Failure, options};
+use show::Show;
 
 /// A recording through the gaze-to-photon chain: one row per displayed frame.
 ///
@@ -36,7 +40,7 @@ the drawn fovea at that moment; empty where the true gaze was not recorded.
 --phases prints, for all frames and by what the eye does (fixation; saccade; landing, up to 50 ms after
 one; other), the angle between eye and drawn fovea, and for the margins that are as wide as its 95th and 99th
 percentile: sample_factor, how many times more samples they take; pops_per_minute, jumps of the fovea by
-more than the margin that are neither in a saccade or blink nor within --suppression-ms after a saccade;
+more than the margin that are neither in a saccade or blink nor within --suppression-ms after (--suppression-before-ms before) a saccade;
 pop_chance_per_minute, that of at least one. decimation_bias_p95_deg: how much wider (narrower, if
 negative) the 95th percentile comes out of the slower recording. It is phases.csv in --out.
 
@@ -81,9 +85,12 @@ pub(crate) struct Args {
     /// How long after a saccade jumps of the fovea go unseen [ms] [default: 60]
     #[arg(long, value_name = "MS", allow_hyphen_values = true, conflicts_with_all = ["digest", "check"])]
     suppression_ms: Option<f64>,
+    /// How long before a saccade they do already [ms] [default: 0]
+    #[arg(long, value_name = "MS", allow_hyphen_values = true, conflicts_with_all = ["digest", "check"])]
+    suppression_before_ms: Option<f64>,
     /// Replay the recording with its gaze decimated to this rate as well [Hz], and say what that does to
     /// the 95th percentiles of --phases
-    #[arg(long, value_name = "HZ", value_parser = trace::rate, conflicts_with_all = ["digest", "check"])]
+    #[arg(long, value_name = "HZ", value_parser = options::rate, conflicts_with_all = ["digest", "check"])]
     decimate: Option<Rate>,
     /// Print only the table's digest
     #[arg(long, conflicts_with = "check")]
@@ -126,7 +133,6 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
         Some(_) => Some(ctx.outputs("out")?),
         None => None,
     };
-    let recording = read_path(&args.file, &args.read.options())?;
     let drawn = DrawnCost {
         law: &chain.render,
         seed: ctx.seed,
@@ -137,9 +143,28 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
         Some(measured) => measured,
         None => &drawn,
     };
+    let mut show = Show {
+        ctx,
+        golden: golden.as_ref().zip(args.check.as_deref()),
+        digest: args.digest,
+        notes: Vec::new(),
+    };
+    let whole = study.is_some() || outputs.is_some();
+    let streamed = match whole {
+        true => None,
+        false => StreamedRecording::open(&args.file, &args.read.options())?,
+    };
+    if let Some(recording) = streamed {
+        let start = recording.span().map_or(Nanos::ZERO, |(start, _)| start);
+        show.notes.clone_from(&recording.notes);
+        return show.rows(start, &|each| {
+            replay_streamed(&recording, display, tracker, cost, &options, each)
+        });
+    }
+
     let play = |recording: &Recording| replay(recording, display, tracker, cost, &options);
+    let recording = read_path(&args.file, &args.read.options())?;
     let out = play(&recording)?;
-    let table = out.table();
     let events = |of: &Recording| GazePhases::find(of, &EventOptions::default());
     // What was not asked for is left out where the recording has no events.
     let phases = match &study {
@@ -160,21 +185,16 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
         _ => None,
     };
 
-    for note in recording.notes.iter().chain(&out.notes) {
-        ctx.warn(note);
-    }
-    for warning in phases.iter().filter_map(GazePhases::warning) {
-        ctx.warn(&warning);
-    }
-    for line in out.summary().lines() {
-        ctx.note(&line);
-    }
+    show.notes.clone_from(&recording.notes);
+    let slow = phases.iter().filter_map(GazePhases::warning);
+    show.notes.extend(slow);
     if let Some(mut outputs) = outputs.take() {
-        outputs.add("replay.csv", table.csv());
+        outputs.add("replay.csv", out.table().csv());
         outputs.add(
             "gaze_error.svg",
             out.gaze_error_chart(phases.as_ref()).svg(),
         );
+        outputs.add("latency.svg", out.latency_chart(phases.as_ref()).svg());
         outputs.add("gaze_path.svg", out.gaze_path_chart(phases.as_ref()).svg());
         if let Some(table) = &by_phase {
             outputs.add("phases.csv", table.csv());
@@ -182,21 +202,15 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
         outputs.add("timeline.json", out.timeline(display).json());
         outputs.commit()?;
     }
-    if let (Some(golden), Some(path)) = (golden, &args.check) {
-        return match golden.difference(&table) {
-            None => ctx.print(&format!("replay equals {}\n", path.display())),
-            Some(d) => Err(Failure::CheckFailed(format!(
-                "replay differs from {}: {d}",
-                path.display()
-            ))),
-        };
-    }
-    if args.digest {
-        return ctx.print(&format!("{}\n", table.digest()));
-    }
     match by_phase {
-        Some(by_phase) if args.phases => ctx.print_table(&by_phase),
-        _ => ctx.print_table(&table),
+        Some(by_phase) if args.phases => {
+            show.about(&out.notes, &out.summary());
+            ctx.print_table(&by_phase)
+        }
+        _ => show.rows(out.start, &|each| {
+            out.frames.iter().copied().for_each(each);
+            Ok(out.about())
+        }),
     }
 }
 
@@ -207,6 +221,7 @@ impl Args {
             || self.method.is_some()
             || self.slope.is_some()
             || self.suppression_ms.is_some()
+            || self.suppression_before_ms.is_some()
             || self.decimate.is_some()
     }
 
@@ -218,17 +233,26 @@ impl Args {
     ) -> Result<Option<PhaseSpec<'a>>, Failure> {
         if !self.phases && ctx.out.is_none() {
             if self.asks_for_phases() {
-                let flags = "--method, --slope, --suppression-ms and --decimate";
+                let flags =
+                    "--method, --slope, --suppression-ms, --suppression-before-ms and --decimate";
                 return Err(Failure::bad_input(format!(
                     "{flags} are for the table of --phases: give --phases, or --out DIR to keep it"
                 )));
             }
             return Ok(None);
         }
-        let suppression = self
-            .suppression_ms
-            .map(|ms| options::milliseconds("--suppression-ms", ms))
-            .transpose()?;
+        let window = |flag, ms: Option<f64>, default| {
+            ms.map_or(Ok(default), |ms| options::milliseconds(flag, ms))
+        };
+        let Suppression { before, after } = Suppression::default();
+        let suppression = Suppression {
+            before: window(
+                "--suppression-before-ms",
+                self.suppression_before_ms,
+                before,
+            )?,
+            after: window("--suppression-ms", self.suppression_ms, after)?,
+        };
         let method = match self.method {
             Some(method) => method,
             None => "layers:3".parse()?,
@@ -237,7 +261,7 @@ impl Args {
             display,
             method,
             acuity: self.slope.unwrap_or_default(),
-            suppression: suppression.unwrap_or(SUPPRESSION),
+            suppression,
         }))
     }
 }

@@ -5,7 +5,7 @@ use foveasim_models::{Nanos, Provenance, Rate, Recording};
 use foveasim_reports::{Cell, LineChart, Table};
 use foveasim_traces::{ReadOptions, ScreenSpec, SynthSpec};
 
-use super::{Context, Failure, trace_events, trace_predict, trace_scanlines};
+use super::{Context, Failure, options, trace_events, trace_predict, trace_scanlines};
 
 /// Describe, convert, synthesise and analyse recordings of gaze and head pose.
 ///
@@ -60,13 +60,13 @@ struct ConvertArgs {
     #[command(flatten)]
     to: Destination,
     /// Keep the samples from A up to B seconds after the first
-    #[arg(long, value_name = "A..B", value_parser = seconds_range)]
+    #[arg(long, value_name = "A..B", value_parser = options::seconds_range)]
     slice: Option<(Nanos, Nanos)>,
     /// Sample again at this rate [Hz], linear between samples
-    #[arg(long, value_name = "HZ", value_parser = rate)]
+    #[arg(long, value_name = "HZ", value_parser = options::rate)]
     resample: Option<Rate>,
     /// Holes longer than this stay missing when resampling
-    #[arg(long, value_name = "TIME", default_value = "100ms", value_parser = duration)]
+    #[arg(long, value_name = "TIME", default_value = "100ms", value_parser = options::duration)]
     max_gap: Nanos,
     /// Begin at time zero
     #[arg(long)]
@@ -84,7 +84,7 @@ struct SynthArgs {
     #[command(flatten)]
     to: Destination,
     /// Length
-    #[arg(long, value_name = "TIME", default_value = "10s", value_parser = duration)]
+    #[arg(long, value_name = "TIME", default_value = "10s", value_parser = options::duration)]
     duration: Nanos,
     /// Gaze samples per second [Hz]
     #[arg(long, value_name = "HZ", default_value_t = SynthSpec::default().gaze_rate_hz)]
@@ -93,7 +93,7 @@ struct SynthArgs {
     #[arg(long, value_name = "HZ", default_value_t = SynthSpec::default().pose_rate_hz)]
     pose_rate: f64,
     /// How far to each side, and up or down, saccades land [deg]
-    #[arg(long, value_name = "X,Y", default_value = "20,15", value_parser = super::options::pair)]
+    #[arg(long, value_name = "X,Y", default_value = "20,15", value_parser = options::pair)]
     field_deg: [f64; 2],
     /// Mean duration of fixations [ms]
     #[arg(long, value_name = "MS", default_value_t = SynthSpec::default().fixation_ms)]
@@ -128,10 +128,10 @@ struct Destination {
 #[command(next_help_heading = "Reading")]
 pub(crate) struct ReadFlags {
     /// Pixels of the screen on which gaze was recorded [default: of the file or the format]
-    #[arg(long, value_name = "WxH", value_parser = sides)]
+    #[arg(long, value_name = "WxH", value_parser = options::sides)]
     pub(crate) screen_px: Option<[f64; 2]>,
     /// Its size [mm] [default: of the file or the format]
-    #[arg(long, value_name = "WxH", value_parser = sides)]
+    #[arg(long, value_name = "WxH", value_parser = options::sides)]
     pub(crate) screen_mm: Option<[f64; 2]>,
     /// How far from it the eye was [mm] [default: of the file or the format]
     #[arg(long, value_name = "D")]
@@ -268,47 +268,4 @@ fn deliver(recording: &Recording, to: &Destination, ctx: &Context) -> Result<(),
         (None, Some(_)) => Err(Failure::bad_input("--out needs --to: the name of the file")),
         (None, None) => ctx.print(&String::from_utf8(bytes)?),
     }
-}
-
-/// `10s`, `250ms`, or a number of seconds.
-pub(crate) fn duration(text: &str) -> Result<Nanos, String> {
-    const DAY_S: f64 = 86_400.0;
-    let (number, unit_s) = match text.strip_suffix("ms") {
-        Some(number) => (number, 1e-3),
-        None => (text.strip_suffix('s').unwrap_or(text), 1.0),
-    };
-    match number.trim().parse::<f64>().map(|n| n * unit_s) {
-        Ok(s) if (0.0..=DAY_S).contains(&s) => Ok(Nanos::from_secs(s)),
-        _ => Err(format!(
-            "want a time from 0 to {DAY_S} s, as in 10s, 250ms or 2.5"
-        )),
-    }
-}
-
-fn seconds_range(text: &str) -> Result<(Nanos, Nanos), String> {
-    let error = || "want START..END in seconds, START before END, as in 2..5.5".to_owned();
-    let (from, to) = text
-        .trim_end_matches('s')
-        .split_once("..")
-        .ok_or_else(error)?;
-    let (from, to) = (duration(from)?, duration(to)?);
-    if from < to {
-        Ok((from, to))
-    } else {
-        Err(error())
-    }
-}
-
-pub(crate) fn rate(text: &str) -> Result<Rate, String> {
-    let hz = text
-        .parse()
-        .map_err(|_| "want a number of hertz, as in 300".to_owned())?;
-    Rate::from_hz("resample", hz).map_err(|e| e.to_string())
-}
-
-/// `WxH`: two numbers, range checked where they are used.
-fn sides(text: &str) -> Result<[f64; 2], String> {
-    text.split_once('x')
-        .and_then(|(w, h)| Some([w.parse().ok()?, h.parse().ok()?]))
-        .ok_or_else(|| "want WIDTHxHEIGHT, as in 528x297".to_owned())
 }

@@ -3,7 +3,8 @@ use std::path::PathBuf;
 use foveasim_models::{HeadPredictor, Nanos};
 use foveasim_study::{PredictionStudy, parse_numbers};
 
-use super::trace::{ReadFlags, duration, each_recording};
+use super::options::duration;
+use super::trace::{ReadFlags, each_recording};
 use super::{Context, Failure};
 
 /// Longest horizon \[ms\].

@@ -3,7 +3,8 @@ use std::path::PathBuf;
 use foveasim_models::{HeadPredictor, Nanos, Rate};
 use foveasim_study::ScanlineStudy;
 
-use super::trace::{ReadFlags, duration, each_recording};
+use super::options::duration;
+use super::trace::{ReadFlags, each_recording};
 use super::{Context, Failure};
 
 /// How far the view is off, row by row while a frame is scanned out, for plain, warped and rolling images.

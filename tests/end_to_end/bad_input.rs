@@ -209,6 +209,15 @@ fn phases_of_a_replay() {
     for (flags, part) in [
         (&["--phases", "--suppression-ms", "-1"][..], "0 to 10000"),
         (&["--phases", "--suppression-ms", "NaN"], "0 to 10000"),
+        (
+            &["--phases", "--suppression-before-ms", "-1"],
+            "--suppression-before-ms",
+        ),
+        (
+            &["--phases", "--suppression-before-ms", "inf"],
+            "0 to 10000",
+        ),
+        (&["--suppression-before-ms", "50"], "--phases"),
         (&["--phases", "--decimate", "0"], "--decimate"),
         (&["--phases", "--decimate", "NaN"], "--decimate"),
         (&["--phases", "--decimate", "5000"], "below the"),

@@ -134,3 +134,41 @@ fn a_golden_replay_names_the_first_difference() {
         ran.err
     );
 }
+
+#[test]
+fn a_recording_that_passes_by_gives_what_a_kept_one_gives() {
+    let scratch = Scratch::new();
+    scratch.ok(&["trace", "synth", "--duration", "3s", "--to", "t.csv"]);
+    let csv = scratch.ok(&["replay", "t.csv", "--format", "csv"]);
+    // With --out the recording is kept.
+    let kept = scratch.ok(&["replay", "t.csv", "--format", "csv", "--out", "out"]);
+    assert_eq!(csv, kept);
+    assert_eq!(csv, scratch.read("out/replay.csv"));
+    assert!(scratch.names("out").contains(&"latency.svg".to_owned()));
+    let text = scratch.ok(&["replay", "t.csv"]);
+    assert_eq!(text, scratch.ok(&["replay", "t.csv", "--out", "again"]));
+    assert_eq!(text.lines().count(), csv.lines().count());
+    let json = scratch.ok(&["replay", "t.csv", "--format", "json"]);
+    let rows: serde_json::Value = serde_json::from_str(&json).unwrap();
+    assert_eq!(rows.as_array().unwrap().len() + 1, csv.lines().count());
+
+    // A pipe can be read once: it is kept.
+    #[cfg(unix)]
+    {
+        let from = std::fs::File::open(scratch.path("t.csv")).unwrap();
+        let mut cat = std::process::Command::new("cat")
+            .stdin(from)
+            .stdout(std::process::Stdio::piped())
+            .spawn()
+            .expect("cat is everywhere");
+        let piped = std::process::Command::new(env!("CARGO_BIN_EXE_foveasim"))
+            .args(["replay", "/dev/stdin", "--format", "csv"])
+            .stdin(cat.stdout.take().unwrap())
+            .output()
+            .unwrap();
+        cat.wait().unwrap();
+        let err = String::from_utf8_lossy(&piped.stderr).into_owned();
+        assert!(piped.status.success(), "{err}");
+        assert_eq!(String::from_utf8(piped.stdout).unwrap(), csv);
+    }
+}

@@ -169,8 +169,7 @@ fn latency_agrees_with_the_published_set_up() {
             "--format",
             "csv",
         ]);
-        let header =
-            "stage,min_ms,p5_ms,p50_ms,mean_ms,p95_ms,p99_ms,max_ms,bound_min_ms,bound_max_ms";
+        let header = "stage,min_ms,p5_ms,p50_ms,mean_ms,p95_ms,p99_ms,max_ms,bound_min_ms,bound_max_ms,bound";
         assert!(csv.starts_with(header), "{csv}");
         let rows = rows(&csv);
         for (_, quantity, wanted, [min, max]) in cases.iter().filter(|c| c.0 == sync) {
@@ -195,6 +194,7 @@ fn latency_agrees_with_the_published_set_up() {
             );
         }
         for row in &rows {
+            assert_eq!(row["bound"], "exact", "{row:?}");
             assert!(
                 number(row, "bound_min_ms") <= number(row, "min_ms"),
                 "{row:?}"

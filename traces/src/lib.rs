@@ -30,6 +30,7 @@ mod labels;
 mod lines;
 mod options;
 mod read;
+mod stream;
 mod synth;
 mod write;
 
@@ -41,10 +42,11 @@ pub use events::{
     OnsetError, SpeedLimits, agreement, find_events, main_sequence, target_agreement,
     vendor_agreement,
 };
-pub use formats::Format;
+pub use formats::{Format, RowSamples};
 pub use info::{SeriesInfo, TraceInfo, info};
 pub use labels::{EventKind, LabelledEvent, Labels, TargetStep};
 pub use options::{ReadOptions, Screen, ScreenSpec};
 pub use read::{detect, read, read_labelled, read_labelled_path, read_path};
+pub use stream::{SampleReader, StreamedRecording};
 pub use synth::{SynthSpec, default_recording, synth, with_synthetic_gaze};
 pub use write::write;

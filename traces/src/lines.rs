@@ -1,4 +1,4 @@
-use std::io::{BufRead, Read};
+use std::io::BufRead;
 
 use crate::TraceError;
 
@@ -62,20 +62,15 @@ impl<'n, R: BufRead> Lines<'n, R> {
 
     fn fill(&mut self) -> Result<bool, TraceError> {
         self.buffer.clear();
-        // One byte more than the limit tells a line of just the limit from a longer one.
-        let limit = MAX_LINE as u64 + 2;
-        let read = (&mut self.reader)
-            .take(limit)
-            .read_until(b'\n', &mut self.buffer);
-        if read.map_err(|reason| TraceError::Io {
+        self.read_line().map_err(|reason| TraceError::Io {
             file: self.file.to_owned(),
             reason,
-        })? == 0
-        {
+        })?;
+        if self.buffer.is_empty() {
             return Ok(false);
         }
         self.number += 1;
-        if self.buffer.contains(&0) {
+        if memchr::memchr(0, &self.buffer).is_some() {
             return Err(self.not_text("it has a NUL byte"));
         }
         if self.buffer.len() > MAX_LINE + 1 {
@@ -99,6 +94,27 @@ impl<'n, R: BufRead> Lines<'n, R> {
             self.buffer.drain(..3);
         }
         Ok(true)
+    }
+
+    /// Appends the next line to the buffer, with its line feed; no more than tells a line of just the limit
+    /// from a longer one.
+    fn read_line(&mut self) -> std::io::Result<()> {
+        const LIMIT: usize = MAX_LINE + 2;
+        while self.buffer.len() < LIMIT {
+            let ready = match self.reader.fill_buf() {
+                Ok(ready) => ready,
+                Err(e) if e.kind() == std::io::ErrorKind::Interrupted => continue,
+                Err(e) => return Err(e),
+            };
+            let end = memchr::memchr(b'\n', ready).map_or(ready.len(), |at| at + 1);
+            let taken = end.min(LIMIT - self.buffer.len());
+            self.buffer.extend_from_slice(&ready[..taken]);
+            self.reader.consume(taken);
+            if taken == 0 || self.buffer.last() == Some(&b'\n') {
+                break;
+            }
+        }
+        Ok(())
     }
 
     fn not_text(&self, what: &'static str) -> TraceError {

@@ -3,7 +3,7 @@ use std::io::{BufRead, BufReader, Read};
 use std::path::Path;
 
 use flate2::bufread::MultiGzDecoder;
-use foveasim_models::Recording;
+use foveasim_models::{Provenance, Recording};
 
 use crate::formats::{self, Format, Parsed};
 use crate::lines::Lines;
@@ -12,6 +12,9 @@ use crate::{Labels, ReadOptions, TraceError};
 /// Text that is unpacked from a compressed file at most \[bytes\]: an hour of 1200 Hz has some 0.3 GB, and a
 /// few megabytes can be made to unpack to anything.
 const UNPACKED_LIMIT: u64 = 1 << 32;
+
+/// How much of a file is read at once \[bytes\].
+pub(crate) const BUFFER: usize = 1 << 16;
 
 /// What compressed files (gzip) begin with.
 const GZIP: [u8; 2] = [0x1f, 0x8b];
@@ -33,6 +36,12 @@ pub fn read_labelled_path(
     options: &ReadOptions,
 ) -> Result<(Recording, Labels), TraceError> {
     let name = path.display().to_string();
+    let file = open(path, &name)?;
+    read_labelled(BufReader::with_capacity(BUFFER, file), &name, options)
+}
+
+/// Opens a file that is no folder.
+pub(crate) fn open(path: &Path, name: &str) -> Result<File, TraceError> {
     let open = || -> std::io::Result<File> {
         let file = File::open(path)?;
         if file.metadata()?.is_dir() {
@@ -40,11 +49,10 @@ pub fn read_labelled_path(
         }
         Ok(file)
     };
-    let file = open().map_err(|reason| TraceError::Io {
-        file: name.clone(),
+    open().map_err(|reason| TraceError::Io {
+        file: name.to_owned(),
         reason,
-    })?;
-    read_labelled(BufReader::with_capacity(1 << 16, file), &name, options)
+    })
 }
 
 /// Reads a recording from anything; `name` stands for the file's in errors and in
@@ -70,26 +78,28 @@ pub fn read_labelled(
     options: &ReadOptions,
 ) -> Result<(Recording, Labels), TraceError> {
     options.validate()?;
-    unpacked(reader, name, |lines| {
-        let head = formats::Head::read(lines)?;
-        let Parsed {
-            mut recording,
-            labels,
-        } = head.format.parse(&head, lines, options)?;
-        recording.source = name.to_owned();
-        recording.format = head.format.name().to_owned();
-        if let Some(provenance) = options.provenance {
-            recording.notes.push(match recording.gaze {
-                Some(_) => format!("gaze provenance as given: {provenance}"),
-                None => {
-                    "the provenance given is one of gaze; there is none here to apply it to".into()
-                }
-            });
-            recording.notes.retain(|n| n != formats::GAZE_ASSUMED);
-            recording.gaze = recording.gaze.map(|s| s.with_provenance(provenance));
-        }
-        Ok((recording, labels))
-    })
+    let mut lines = text(reader, name)?;
+    let head = formats::Head::read(&mut lines)?;
+    let Parsed {
+        mut recording,
+        labels,
+    } = head.format.parse(&head, &mut lines, options)?;
+    recording.source = name.to_owned();
+    recording.format = head.format.name().to_owned();
+    if let Some(provenance) = options.provenance {
+        state_provenance(provenance, recording.gaze.is_some(), &mut recording.notes);
+        recording.gaze = recording.gaze.map(|s| s.with_provenance(provenance));
+    }
+    Ok((recording, labels))
+}
+
+/// Notes that the provenance of gaze was given, and not read.
+pub(crate) fn state_provenance(given: Provenance, has_gaze: bool, notes: &mut Vec<String>) {
+    notes.push(match has_gaze {
+        true => format!("gaze provenance as given: {given}"),
+        false => "the provenance given is one of gaze; there is none here to apply it to".into(),
+    });
+    notes.retain(|n| n != formats::GAZE_ASSUMED);
 }
 
 /// Finds the format of a recording from its first lines.
@@ -97,31 +107,28 @@ pub fn read_labelled(
 /// # Errors
 /// If it is of no known format, or not text at all.
 pub fn detect(reader: impl BufRead, name: &str) -> Result<Format, TraceError> {
-    unpacked(reader, name, |lines| {
-        formats::Head::read(lines).map(|head| head.format)
-    })
+    Ok(formats::Head::read(&mut text(reader, name)?)?.format)
 }
 
-/// Calls `parse` with the lines of a text, which may be compressed.
-fn unpacked<T>(
-    mut reader: impl BufRead,
-    name: &str,
-    parse: impl FnOnce(&mut Lines<'_, Box<dyn BufRead + '_>>) -> Result<T, TraceError>,
-) -> Result<T, TraceError> {
+/// The lines of a text, which may be compressed.
+pub(crate) fn text<'n, 'r>(
+    mut reader: impl BufRead + 'r,
+    name: &'n str,
+) -> Result<Lines<'n, Box<dyn BufRead + 'r>>, TraceError> {
     let start = reader.fill_buf().map_err(|reason| TraceError::Io {
         file: name.to_owned(),
         reason,
     })?;
-    let text: Box<dyn BufRead + '_> = if start.starts_with(&GZIP) {
+    let text: Box<dyn BufRead + 'r> = if start.starts_with(&GZIP) {
         let text = Limited {
             inner: MultiGzDecoder::new(reader),
             left: UNPACKED_LIMIT,
         };
-        Box::new(BufReader::with_capacity(1 << 16, text))
+        Box::new(BufReader::with_capacity(BUFFER, text))
     } else {
         Box::new(reader)
     };
-    parse(&mut Lines::new(text, name))
+    Ok(Lines::new(text, name))
 }
 
 /// A reader that fails, and does not end, where there is more than it may give.

@@ -1,7 +1,16 @@
-use foveasim_models::{Nanos, Rate};
+mod host;
+mod locked;
+mod queue;
+mod ticks;
 
-use crate::runtime::LEAST_RESERVE;
-use crate::{FrameStart, Interval, Missed, STAGES, Setup, Stage, SyncMode};
+use foveasim_models::Nanos;
+
+use crate::{Interval, Missed, STAGES, Setup, Stage, SyncMode};
+use host::Host;
+use ticks::{longest, periods};
+
+pub use locked::LockedFlip;
+pub use ticks::until;
 
 /// Which movement is answered.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -17,6 +26,34 @@ pub enum Movement {
     },
 }
 
+/// How good a bound is.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum BoundKind {
+    /// It is reached, to the nanoseconds that clocks are rounded to.
+    Exact,
+    /// It holds, but need not be reached.
+    Outer,
+}
+
+impl BoundKind {
+    /// As in tables.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Exact => "exact",
+            Self::Outer => "outer",
+        }
+    }
+
+    /// Of two together: exact if both are.
+    #[must_use]
+    pub fn and(self, other: Self) -> Self {
+        match (self, other) {
+            (Self::Exact, Self::Exact) => Self::Exact,
+            _ => Self::Outer,
+        }
+    }
+}
+
 /// The shortest and the longest time of each stage and of the whole way to a row's light, whatever the
 /// phases of the clocks and the draws of tracker and renderer.
 ///
@@ -25,38 +62,27 @@ pub enum Movement {
 ///
 /// The clocks' phases and all draws are independent, so that extremes of independent parts add up;
 /// from the start of a frame to its flip, where the parts depend on each other, the sum is bounded as
-/// a whole. Every bound of the whole way is attained (to the nanoseconds of rounding), with one
-/// exception: more than one frame in flight with frames that render for longer than a refresh, or too
-/// long for the compositor's lead. Such queues settle into cycles that depend on their history, and the
-/// bounds hold but need not be reached.
+/// a whole. Frames in flight that are late are followed from one to the next until what they do repeats.
+/// [`StageBounds::kind`] says which bounds are exact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct StageBounds {
     stages: [Interval; STAGES.len()],
     /// From the movement to the flip.
     to_flip: Interval,
-    /// How far the beam has come at every flip, if that is always the same.
-    flip_at: Option<Nanos>,
+    whole_is: BoundKind,
+    parts_are: BoundKind,
+    /// When frames flip after they start, where the place of the beam then is not independent.
+    locked: Option<LockedFlip>,
+    /// When after the vertical blank the row is scanned.
+    row: Nanos,
     /// Longest time between vertical blanks.
     pub refresh: Nanos,
     /// Longest time from the start of a frame to the start of the next.
     pub host_cycle: Nanos,
-}
-
-/// From the moment a frame could be started to its flip.
-#[derive(Debug, Clone, Copy)]
-struct Host {
-    /// Longest time from one frame's start to the next.
-    cycle: Nanos,
-    /// From its start until rendering begins.
-    queue: Interval,
-    /// From the end of rendering until the compositor takes it.
-    flip_wait: Interval,
-    /// From its start to its flip, as a whole.
-    to_flip: Interval,
-    /// Longest time from being ready to start to the flip: the wait for the start, and what follows.
-    wait_to_flip: Nanos,
-    /// Longest time between flips of new frames.
-    flips: Nanos,
+    /// From the start of the host until it does what it always will: what happens before is not bounded.
+    pub settling: Nanos,
+    /// How long frames in flight take to come back to where they were, if they do so in turns; else 0.
+    pub turn: Nanos,
 }
 
 impl StageBounds {
@@ -97,10 +123,10 @@ impl StageBounds {
             0 => Interval::ZERO,
             n => periods(setup.scan.rate, i64::from(n)),
         };
-        let flip_at = flip_at(setup, render);
+        let locked = LockedFlip::of(setup, render).filter(|_| setup.sync == SyncMode::Tearing);
         let scan_wait = match setup.sync {
-            SyncMode::Tearing => match flip_at {
-                Some(at) => about(until(row, at, refresh)),
+            SyncMode::Tearing => match &locked {
+                Some(flip) => flip.wait(refresh, row),
                 None => Interval::new(Nanos::ZERO, refresh),
             },
             SyncMode::VsyncFree | SyncMode::Vsync => Interval::exactly(row),
@@ -126,15 +152,44 @@ impl StageBounds {
                 Interval::exactly(response.to_counted_light),
             ],
             to_flip: sensing.into_iter().sum::<Interval>() + delivered_to_flip,
-            flip_at,
+            whole_is: match warped && runtime.missed == Missed::Reproject {
+                true => BoundKind::Exact,
+                false => host.whole_is,
+            },
+            parts_are: match warped {
+                true => BoundKind::Exact,
+                false => host.parts_are,
+            },
+            locked,
+            row,
             refresh,
             host_cycle: host.cycle,
+            settling: host.settling,
+            turn: host.turn,
         }
     }
 
-    /// How far after the vertical blank every flip of a torn picture is, if it is always the same.
-    pub fn flip_at(&self) -> Option<Nanos> {
-        self.flip_at
+    /// When a picture that tears flips after its frame's start, if that decides where the beam is.
+    pub fn locked(&self) -> Option<LockedFlip> {
+        self.locked
+    }
+
+    /// Whether the bounds of a stage are reached.
+    pub fn kind(&self, stage: Stage) -> BoundKind {
+        match stage {
+            Stage::FrameWait => self.whole_is,
+            Stage::FrameQueue | Stage::Render | Stage::FlipWait => match self.get(stage).width() {
+                Nanos::ZERO => BoundKind::Exact,
+                _ => self.parts_are,
+            },
+            Stage::ScanWait => self.whole_is,
+            _ => BoundKind::Exact,
+        }
+    }
+
+    /// Whether the bounds of the whole way are reached.
+    pub fn whole_kind(&self) -> BoundKind {
+        self.whole_is
     }
 
     /// Bounds of one stage.
@@ -147,6 +202,14 @@ impl StageBounds {
         self.to_flip
     }
 
+    /// From the movement to the start of the frame that answers it, where the place of the beam at its flip
+    /// depends on how long it renders.
+    pub fn to_start(&self) -> Option<Interval> {
+        let render = self.locked?.render;
+        let Interval { min, max } = self.to_flip;
+        Some(Interval::new(min - render.min, max - render.max))
+    }
+
     /// From the movement until the panel is told: the flip, and the frames it holds.
     pub fn to_panel(&self) -> Interval {
         self.to_flip + self.get(Stage::DisplayBuffer)
@@ -154,10 +217,15 @@ impl StageBounds {
 
     /// The whole way, to the row's light.
     pub fn total(&self) -> Interval {
-        self.to_panel()
-            + self.get(Stage::ScanWait)
-            + self.get(Stage::PixelResponse)
-            + self.get(Stage::Persistence)
+        let to_row = match (self.to_start(), &self.locked) {
+            (Some(to_start), Some(flip)) => {
+                let after = |beam| until(self.row, beam, self.refresh);
+                let buffered = self.get(Stage::DisplayBuffer);
+                to_start + buffered + flip.way(self.refresh, &[self.row], after)
+            }
+            _ => self.to_panel() + self.get(Stage::ScanWait),
+        };
+        to_row + self.get(Stage::PixelResponse) + self.get(Stage::Persistence)
     }
 }
 
@@ -186,216 +254,4 @@ fn sensing(setup: &Setup<'_>, movement: Movement) -> [Interval; 4] {
             Interval::exactly(delay),
         ],
     }
-}
-
-impl Host {
-    fn new(setup: &Setup<'_>, render: Interval) -> Self {
-        match (setup.sync, setup.runtime.start) {
-            (SyncMode::Tearing | SyncMode::VsyncFree, _) => Self::free(setup, render),
-            (SyncMode::Vsync, FrameStart::JustInTime { reserve }) => {
-                Self::just_in_time(setup, render, reserve)
-            }
-            (SyncMode::Vsync, FrameStart::AtVblank) if setup.runtime.in_flight == 1 => {
-                Self::blocked(setup, render)
-            }
-            (SyncMode::Vsync, FrameStart::AtVblank) => Self::queued(setup, render),
-        }
-    }
-
-    /// Frames start with the host's own clock, or as soon as one of those in flight is finished.
-    fn free(setup: &Setup<'_>, render: Interval) -> Self {
-        let (period, refresh) = (longest(setup.host_rate, 1), longest(setup.scan.rate, 1));
-        let ahead = i64::from(setup.runtime.in_flight) - 1;
-        let cycle = render.max.max(period);
-        // Frames that never wait for the clock wait for all those before them.
-        let queued = |t: Nanos| match t > period {
-            true => t * ahead,
-            false => Nanos::ZERO,
-        };
-        let queue = Interval::new(queued(render.min), queued(render.max));
-        let lead = Interval::exactly(setup.runtime.lead);
-        let flip_wait = match (setup.sync, flip_at(setup, render)) {
-            (SyncMode::Tearing, _) => Interval::ZERO,
-            (_, Some(at)) => about(until(refresh, at + setup.runtime.lead, refresh)),
-            _ => Interval::new(Nanos::ZERO, refresh),
-        };
-        let to_flip = queue + render + flip_wait + lead;
-        // From the end of one frame to the end of the next: a short one before a long one.
-        let ends = render.max.max(period + render.max - render.min);
-        Self {
-            cycle,
-            queue,
-            flip_wait,
-            to_flip,
-            wait_to_flip: cycle + to_flip.max,
-            flips: longest(
-                setup.scan.rate,
-                setup.scan.rate.first_at_or_after(ends).max(1),
-            ),
-        }
-    }
-
-    /// Frames start at a vertical blank and flip at the first one that they are composed in time for;
-    /// the next one starts there. At half rate, at every second.
-    fn blocked(setup: &Setup<'_>, render: Interval) -> Self {
-        let (rate, lead) = (setup.scan.rate, setup.runtime.lead);
-        let (least, _) = refreshes(rate, render.min + lead);
-        let (_, most) = refreshes(rate, render.max + lead);
-        // A frame that misses its first refresh halves the rate: what follows takes even numbers.
-        let held = |n: i64| match setup.runtime.missed == Missed::HalfRate && most > 1 {
-            true if n > 1 => n + n % 2,
-            _ => n,
-        };
-        let (least, most) = (held(least), held(most));
-        let first = rate.tick(least).max(render.min + lead);
-        let cycle = longest(rate, most);
-        let jumps = least != most;
-        let after = |t: Nanos, n: i64| (longest(rate, n) - lead - t).max(Nanos::ZERO);
-        // A frame that ends just after a deadline waits for the next one.
-        let step = match setup.runtime.missed {
-            Missed::HalfRate => 2,
-            _ => 1,
-        };
-        let flip_wait = Interval::new(
-            match jumps {
-                true => Nanos::ZERO,
-                false => (rate.tick(least) - lead - render.max).max(Nanos::ZERO),
-            },
-            match jumps {
-                true => after(render.min, least).max(longest(rate, step)),
-                false => after(render.min, most),
-            },
-        );
-        Self {
-            cycle,
-            queue: Interval::ZERO,
-            flip_wait,
-            to_flip: Interval::new(first, cycle),
-            wait_to_flip: cycle + cycle,
-            flips: cycle,
-        }
-    }
-
-    /// As [`Host::blocked`], with more frames in flight.
-    fn queued(setup: &Setup<'_>, render: Interval) -> Self {
-        let (rate, lead) = (setup.scan.rate, setup.runtime.lead);
-        let n = i64::from(setup.runtime.in_flight);
-        let up = |t: Nanos| rate.first_at_or_after(t).max(1);
-        let keeps_up = render.max <= rate.period() && render.max + lead <= rate.tick(n);
-        if keeps_up {
-            // Every blank flips one frame and starts one. When the first ones are rendered, and when
-            // they then wait for their flips, is left open: n start at once, and the queue of those
-            // that take nearly a refresh never empties.
-            let whole = periods(rate, n);
-            return Self {
-                cycle: longest(rate, 1),
-                queue: Interval::new(Nanos::ZERO, render.max * (n - 1)),
-                flip_wait: Interval::new(Nanos::ZERO, whole.max - lead - render.min),
-                to_flip: whole,
-                wait_to_flip: longest(rate, n + 1),
-                flips: longest(rate, 1),
-            };
-        }
-        // A frame starts when the one n before it flips, which was finished a lead before. At worst the
-        // n − 1 in between are all still to be rendered then, and so is the next to start.
-        let (b, one) = (render.max, up(render.max));
-        let most = (n + 1)
-            .max(up(b * (n + 1)))
-            .max(up(lead + b * 2))
-            .max(one + up(lead + b));
-        // At best only this frame is; flips are one a blank, and rendering goes on without a break if
-        // no frame is shorter than a refresh.
-        let busy = match render.min > rate.period() {
-            true => rate.first_at_or_after(render.min * n - rate.period() + Nanos(1)),
-            false => 1,
-        };
-        let least = n.max(up(render.min + lead)).max(busy);
-        let whole = Interval::new(rate.tick(least), longest(rate, most));
-        Self {
-            cycle: longest(rate, one + 1),
-            queue: Interval::new(Nanos::ZERO, b * (n - 1)),
-            flip_wait: Interval::new(Nanos::ZERO, whole.max),
-            to_flip: whole,
-            wait_to_flip: whole.max,
-            flips: longest(rate, up(b + lead) + 1),
-        }
-    }
-
-    /// Frames start so that one that takes `reserve` is composed in time.
-    fn just_in_time(setup: &Setup<'_>, render: Interval, reserve: Nanos) -> Self {
-        let (rate, lead) = (setup.scan.rate, setup.runtime.lead);
-        let reserve = reserve.max(LEAST_RESERVE);
-        let late = |t: Nanos| match t > reserve {
-            true => rate.first_at_or_after(t - reserve).max(1),
-            false => 0,
-        };
-        let (first, last) = (late(render.min), late(render.max));
-        let steps = rate.first_at_or_after(render.max).max(1);
-        let cycle = longest(rate, steps);
-        let to_flip = Interval::new(rate.tick(first), longest(rate, last))
-            + Interval::exactly(reserve + lead);
-        let early = |t: Nanos, n: i64| (longest(rate, n) + reserve - t).max(Nanos::ZERO);
-        let flip_wait = match first == last {
-            true => Interval::new(early(render.max, last), early(render.min, first)),
-            // One that ends just after the deadline waits for the next.
-            false => Interval::new(Nanos::ZERO, early(render.min, first).max(longest(rate, 1))),
-        };
-        Self {
-            cycle,
-            queue: Interval::ZERO,
-            flip_wait,
-            to_flip,
-            wait_to_flip: cycle + to_flip.max,
-            flips: longest(rate, steps + last),
-        }
-    }
-}
-
-/// When after a vertical blank frames end, if that is always the same: they all take the same time, at
-/// most a period of a host whose clock is the display's.
-fn flip_at(setup: &Setup<'_>, render: Interval) -> Option<Nanos> {
-    let rate = setup.scan.rate;
-    let steady = render.width() == Nanos::ZERO && render.max <= rate.period();
-    let end = setup.runtime.host_lock? + render.max;
-    (steady && setup.host_rate == rate).then(|| end - rate.tick(end_periods(rate, end)))
-}
-
-/// Whole periods within `t`.
-fn end_periods(rate: Rate, t: Nanos) -> i64 {
-    rate.first_at_or_after(t + Nanos(1)) - 1
-}
-
-/// From `at` after a vertical blank until `row` after one: this one, or the next.
-pub fn until(row: Nanos, at: Nanos, refresh: Nanos) -> Nanos {
-    let wait = row - at;
-    match wait < Nanos::ZERO {
-        true => wait + refresh,
-        false => wait,
-    }
-}
-
-/// A duration between ticks of one rate, which are rounded to the nanosecond.
-fn about(t: Nanos) -> Interval {
-    Interval::new((t - Nanos(1)).max(Nanos::ZERO), t + Nanos(1))
-}
-
-/// The longest time that `n` periods can take between ticks of whole nanoseconds.
-fn longest(rate: Rate, n: i64) -> Nanos {
-    -rate.tick(-n)
-}
-
-/// The shortest and the longest time that `n` periods can take.
-fn periods(rate: Rate, n: i64) -> Interval {
-    Interval::new(rate.tick(n), longest(rate, n))
-}
-
-/// Fewest and most periods, at least one, that something which takes `t` from a tick lasts to the tick
-/// at or after its end: with the longest and with the shortest rounding.
-fn refreshes(rate: Rate, t: Nanos) -> (i64, i64) {
-    let most = rate.first_at_or_after(t).max(1);
-    let fewest = match most > 1 && longest(rate, most - 1) >= t {
-        true => most - 1,
-        false => most,
-    };
-    (fewest, most)
 }

@@ -1,10 +1,14 @@
-use foveasim_models::{Interpolate, Nanos, Sample, Series};
+use foveasim_models::{Interpolate, Nanos, Sample};
 
-/// Reads a series at times that mostly grow, in constant time per step; [`Cursor::at`] gives the
-/// values of [`Series::at`].
+use crate::Samples;
+
+/// Reads samples at times that mostly grow, in constant time per step; [`Cursor::at`] gives the values of
+/// [`Series::at`](foveasim_models::Series::at).
 #[derive(Debug, Clone)]
 pub struct Cursor<'a, T> {
-    samples: &'a [Sample<T>],
+    samples: Samples<'a, T>,
+    /// Which reader of a window this is.
+    reader: usize,
     /// How many samples are at or before the time sought last.
     seen: usize,
 }
@@ -14,44 +18,69 @@ const MAX_WALK: usize = 32;
 
 impl<'a, T: Interpolate> Cursor<'a, T> {
     /// A cursor before the first sample.
-    pub fn new(series: &'a Series<T>) -> Self {
+    pub fn new(samples: impl Into<Samples<'a, T>>) -> Self {
+        let samples = samples.into();
+        let reader = match samples {
+            Samples::Series(_) => 0,
+            Samples::Window(window) => window.enter(),
+        };
         Self {
-            samples: series.samples(),
+            samples,
+            reader,
             seen: 0,
         }
     }
 
-    /// Moves to `t`: afterwards [`Cursor::past`] ends with the last sample at or before it.
+    /// Moves to `t`: afterwards [`Cursor::seen`] is how many samples are at or before it.
     pub fn seek(&mut self, t: Nanos) {
-        for _ in 0..MAX_WALK {
-            if self.seen < self.samples.len() && self.samples[self.seen].t <= t {
+        let mut steps = 0;
+        loop {
+            if self.samples.time(self.seen).is_some_and(|at| at <= t) {
                 self.seen += 1;
-            } else if self.seen > 0 && self.samples[self.seen - 1].t > t {
+            } else if self.seen > 0 && self.samples.time(self.seen - 1).is_some_and(|at| at > t) {
                 self.seen -= 1;
             } else {
                 return;
             }
+            steps += 1;
+            if let Samples::Series(series) = self.samples
+                && steps == MAX_WALK
+            {
+                self.seen = series.samples().partition_point(|s| s.t <= t);
+                return;
+            }
         }
-        self.seen = self.samples.partition_point(|s| s.t <= t);
     }
 
-    /// The samples at or before the time sought last.
-    pub fn past(&self) -> &'a [Sample<T>] {
-        &self.samples[..self.seen]
+    /// How many samples are at or before the time sought last.
+    pub fn seen(&self) -> usize {
+        self.seen
+    }
+
+    /// Sample `index`, counted from the first; `None` after the last.
+    pub fn get(&self, index: usize) -> Option<Sample<T>> {
+        self.samples.get(index)
+    }
+
+    /// Says that no time before the one sought last will be asked for again: only a window forgets.
+    pub fn release(&self) {
+        if let Samples::Window(window) = self.samples {
+            window.release(self.reader, self.seen.saturating_sub(1));
+        }
     }
 
     /// The value at `t`, linear between the samples around it; `None` outside the series, next to a
     /// missing sample, or inside a hole longer than `max_gap`.
     pub fn at(&mut self, t: Nanos, max_gap: Nanos) -> Option<T> {
         self.seek(t);
-        let before = self.past().last()?;
-        before.towards(self.samples.get(self.seen), t, max_gap)
+        let before = self.samples.get(self.seen.checked_sub(1)?)?;
+        before.towards(self.samples.get(self.seen).as_ref(), t, max_gap)
     }
 }
 
 #[cfg(test)]
 mod tests {
-    use foveasim_models::{GazeDirection, Provenance};
+    use foveasim_models::{GazeDirection, Provenance, Series};
     use proptest::prelude::*;
 
     use super::*;

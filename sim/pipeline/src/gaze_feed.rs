@@ -1,7 +1,7 @@
 use std::collections::VecDeque;
 
 use foveasim_models::{
-    GazeDirection, Loss, Losses, Nanos, Provenance, Role, Sample, Stream, Ticks, Tracker, math,
+    GazeDirection, Loss, Losses, Nanos, Provenance, Role, Stream, Ticks, Tracker, math,
 };
 
 use crate::{Cursor, GazeInput, GazeStamp, Setup};
@@ -15,7 +15,9 @@ pub(crate) enum GazeFeed<'a> {
     Simulated(Box<Simulated<'a>>),
     /// A recorded tracker's own output.
     Recorded {
-        samples: &'a [Sample<GazeDirection>],
+        samples: Cursor<'a, GazeDirection>,
+        /// Number of the sample that is due.
+        next: usize,
         delay: Nanos,
     },
 }
@@ -52,12 +54,14 @@ impl<'a> GazeFeed<'a> {
         let truth = match setup.gaze {
             GazeInput::None => return Self::Off,
             GazeInput::Constant(value) => Truth::Constant(value),
-            GazeInput::Series(series) => match series.provenance() {
+            GazeInput::Recorded(series) => match series.provenance() {
                 Provenance::Truth => Truth::Series(Cursor::new(series)),
                 Provenance::TrackerOutput { delay } => {
-                    let first = series.samples().partition_point(|s| s.t < begin);
+                    let mut samples = Cursor::new(series);
+                    samples.seek(begin - Nanos(1));
                     return Self::Recorded {
-                        samples: &series.samples()[first..],
+                        next: samples.seen(),
+                        samples,
                         delay,
                     };
                 }
@@ -93,7 +97,7 @@ impl<'a> GazeFeed<'a> {
         match self {
             Self::Off => None,
             Self::Simulated(s) => s.starts.next().map(|t| s.phase + t),
-            Self::Recorded { samples, .. } => samples.first().map(|s| s.t),
+            Self::Recorded { samples, next, .. } => samples.get(*next).map(|s| s.t),
         }
     }
 
@@ -102,9 +106,15 @@ impl<'a> GazeFeed<'a> {
         match self {
             Self::Off => None,
             Self::Simulated(s) => s.expose(now),
-            Self::Recorded { samples, delay } => {
-                let (sample, rest) = samples.split_first()?;
-                *samples = rest;
+            Self::Recorded {
+                samples,
+                next,
+                delay,
+            } => {
+                let sample = samples.get(*next)?;
+                *next += 1;
+                samples.seek(now);
+                samples.release();
                 let so = now - *delay;
                 let stamp = |value| GazeStamp {
                     exposure_start: so,
@@ -130,7 +140,11 @@ impl Simulated<'_> {
         let middle = Nanos(start.0 + tracker.exposure.0 / 2);
         let seen = match &mut self.truth {
             Truth::Constant(value) => *value,
-            Truth::Series(cursor) => cursor.at(middle, self.max_gap)?,
+            Truth::Series(cursor) => {
+                let seen = cursor.at(middle, self.max_gap);
+                cursor.release();
+                seen?
+            }
         };
         if self.is_hidden(start) {
             return None;

@@ -50,7 +50,7 @@ impl<'a> PoseFeed<'a> {
                 rate,
                 phase,
                 delay,
-                next: rate.first_at_or_after(series.samples().first()?.t - phase),
+                next: rate.first_at_or_after(series.time(0)? - phase),
             },
         };
         Some(Self {
@@ -87,11 +87,11 @@ impl<'a> PoseFeed<'a> {
         match &mut self.arrival {
             Arrival::Recorded { age, transit, read } => {
                 self.cursor.seek(now - *transit);
-                let past = self.cursor.past();
-                for sample in &past[(*read).min(past.len())..] {
+                let arrived = self.cursor.seen();
+                for sample in (*read..arrived).filter_map(|i| self.cursor.get(i)) {
                     take(sample.t - *age, sample.value);
                 }
-                *read = past.len();
+                *read = arrived;
             }
             Arrival::Sampled {
                 rate,
@@ -107,5 +107,6 @@ impl<'a> PoseFeed<'a> {
                 *next += 1;
             },
         }
+        self.cursor.release();
     }
 }

@@ -2,11 +2,11 @@ use std::fmt;
 use std::str::FromStr;
 
 use foveasim_models::{
-    FrameCost, GazeDirection, GazeSeries, HeadPredictor, ModelError, Nanos, PixelResponse,
-    PoseSeries, Rate, ScanClock, Tracker, unknown_name,
+    FrameCost, GazeDirection, HeadPredictor, ModelError, Nanos, PixelResponse, Pose, Rate,
+    ScanClock, Tracker, unknown_name,
 };
 
-use crate::Runtime;
+use crate::{Runtime, Samples};
 
 /// When a finished frame reaches the display, and when the host starts the next one.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
@@ -75,7 +75,7 @@ pub struct HeadSampling {
 }
 
 /// What the tracker looks at.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
+#[derive(Debug, Clone, Copy, Default)]
 pub enum GazeInput<'a> {
     /// Nothing is tracked: no frame knows any gaze.
     #[default]
@@ -84,7 +84,7 @@ pub enum GazeInput<'a> {
     Constant(GazeDirection),
     /// A recording. The truth goes through the simulated tracker; a tracker's own output is delivered
     /// at its own time stamps and is not delayed again.
-    Series(&'a GazeSeries),
+    Recorded(Samples<'a, GazeDirection>),
 }
 
 /// Everything one run depends on; the same set-up gives the same records.
@@ -116,7 +116,7 @@ pub struct Setup<'a> {
     /// starts is held, not extrapolated.
     pub max_gap: Nanos,
     /// Head poses, if the head is tracked.
-    pub pose: Option<&'a PoseSeries>,
+    pub pose: Option<Samples<'a, Pose>>,
     /// How the pose is predicted for the time of display, from samples that follow each other without
     /// a loss or a hole ([`Setup::max_gap`]). Its settings must be in range
     /// ([`HeadPredictor::validate`]).

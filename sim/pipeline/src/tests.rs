@@ -267,7 +267,7 @@ fn recorded_output_is_delivered_once_and_as_old_as_it_says() {
     let delay = ms(15);
     let series: GazeSeries = Series::new(samples, Provenance::TrackerOutput { delay }).unwrap();
     let mut setup = Setup::new(scan, response, &tracker, SyncMode::Vsync, &cost);
-    setup.gaze = GazeInput::Series(&series);
+    setup.gaze = GazeInput::Recorded((&series).into());
     let r = record(&setup, ms(30));
     let got: Vec<_> = r
         .delivered
@@ -304,7 +304,7 @@ fn what_is_missing_is_not_delivered() {
     };
     let delivered = |series: &GazeSeries| {
         let mut setup = Setup::new(scan, response, &tracker, SyncMode::Vsync, &cost);
-        setup.gaze = GazeInput::Series(series);
+        setup.gaze = GazeInput::Recorded(series.into());
         record(&setup, ms(390)).delivered
     };
     let explicit = delivered(&series(true));

@@ -8,18 +8,21 @@
 
 mod band;
 mod charts;
+mod frame;
 mod histogram;
+mod knob;
 mod observer;
+mod partial;
 mod quantity;
 mod reading;
 mod result;
 mod sensitivity;
 
 use foveasim_models::{
-    Display, DrawnCost, Durations, FixedCost, ModelError, Nanos, Role, Stream, Tracker,
+    Display, DrawnCost, Durations, FixedCost, FrameCost, ModelError, Nanos, Role, Stream, Tracker,
 };
 use foveasim_pipeline::{
-    Interval, Movement, Phases, Pipeline, Runtime, Sensed, Setup, Stage, StageBounds, SyncMode,
+    BoundKind, Interval, Movement, Phases, Pipeline, Sensed, Setup, Stage, StageBounds, SyncMode,
 };
 use rayon::prelude::*;
 use thiserror::Error;
@@ -27,13 +30,16 @@ use thiserror::Error;
 pub use band::Band;
 pub use charts::tornado;
 pub use histogram::Histogram;
+pub use knob::{KNOBS, Knob};
 pub use quantity::{QUANTITIES, Quantity, ROWS, Rows};
 pub use reading::{FIG5_READINGS, Fig5Reading, Fig5Result};
 pub use result::LatencyResult;
-pub use sensitivity::{Budget, KNOBS, Knob, Sensitivity, sensitivity_table};
+pub use sensitivity::{Budget, Sensitivity, sensitivity_table};
 
 use crate::Chain;
+use frame::Frame;
 use observer::Observer;
+use partial::Partial;
 
 /// Why a latency study cannot be made.
 #[derive(Debug, Clone, PartialEq, Error)]
@@ -156,10 +162,14 @@ impl LatencyStudy {
         self.band.edges(self.chain.scan(), response)
     }
 
-    /// The exact shortest and longest time of every quantity, by interval analysis; what is exact, and
-    /// where a bound need not be reached, is said of [`StageBounds`].
+    /// The shortest and longest time of every quantity, by interval analysis.
     pub fn bounds(&self) -> Vec<Interval> {
         Frame::new(self).all
+    }
+
+    /// Whether those bounds are reached, or only hold; see [`StageBounds`].
+    pub fn bound_kinds(&self) -> Vec<BoundKind> {
+        Frame::new(self).kinds
     }
 
     /// Draws the clocks of run number `run`: independent and uniform.
@@ -183,6 +193,11 @@ impl LatencyStudy {
         let head_wait = match head.get(Stage::TrackerWait).max {
             Nanos::ZERO => Nanos::ZERO,
             longest => within(longest),
+        };
+        // Frames in flight that are late take turns: runs begin at any of them.
+        let begin = match frame.turn {
+            Nanos::ZERO => begin,
+            turn => begin - within(turn),
         };
         RunStart {
             phases,
@@ -215,10 +230,22 @@ impl LatencyStudy {
             seed,
             run,
         };
+        self.simulate_cost(frame, pipeline, &cost, [seed, run], start)
+    }
+
+    /// Simulates one run whose frames take what `cost` says.
+    fn simulate_cost(
+        &self,
+        frame: &Frame,
+        pipeline: &mut Pipeline,
+        cost: &dyn FrameCost,
+        [seed, run]: [u64; 2],
+        start: RunStart,
+    ) -> (LatencySample, u64) {
         let setup = Setup {
             seed,
             run,
-            ..self.chain.setup(&cost, start.phases)
+            ..self.chain.setup(cost, start.phases)
         };
         let sampled = start.head_wait;
         let known = sampled + self.chain.head.delay;
@@ -281,6 +308,7 @@ impl LatencyStudy {
         Ok(LatencyResult {
             histograms,
             bounds,
+            bound_kinds: frame.kinds.clone(),
             extremes: extremes
                 .map(|pair| pair.map(|run| run.expect("there was at least one run").sample)),
             events,
@@ -296,116 +324,6 @@ fn check_runs(runs: u64) -> Result<(), LatencyError> {
             value: runs.to_string(),
             valid: format!("from 1 to {MAX_RUNS}"),
         }),
-    }
-}
-
-/// What all runs of a study share.
-struct Frame {
-    /// Of gaze and of motion.
-    bounds: [StageBounds; 2],
-    /// Of every quantity.
-    all: Vec<Interval>,
-    edges: band::Edges,
-    /// Longest time between exposures, and between ticks of the host's clock.
-    exposures: Nanos,
-    host_period: Nanos,
-    /// What the loop needs, from its start, to run as it always does.
-    settling: Nanos,
-    /// By then every quantity has been seen.
-    end: Nanos,
-}
-
-/// The most frames for which a loop is given time to settle: a queue that frames fill more slowly
-/// than that is as good as empty.
-const MOST_SETTLING: i64 = 64;
-
-impl Frame {
-    fn new(study: &LatencyStudy) -> Self {
-        let chain = &study.chain;
-        let gaze = study.stage_bounds(Movement::Gaze);
-        let head = study.stage_bounds(chain.head_movement());
-        let edges = study.edges();
-        let longest = gaze.total().max.max(head.total().max);
-        let all = QUANTITIES.iter().map(|q| {
-            let stages = if q.is_motion() { &head } else { &gaze };
-            q.bounds(stages, &edges, chain.sync)
-        });
-        let (render, period) = (chain.render.max(), -chain.host_rate.tick(-1));
-        let settling = match chain.runtime == Runtime::default() {
-            true => Nanos::ZERO,
-            // A free host fills its queue by what each frame takes too long.
-            false if chain.sync != SyncMode::Vsync && render > period => {
-                let ahead = i64::from(chain.runtime.in_flight);
-                let frames = ahead * render.0 / (render - period).0 + ahead;
-                render * frames.min(MOST_SETTLING)
-            }
-            false => gaze.host_cycle * 4 + gaze.refresh * 4,
-        };
-        Self {
-            all: all.collect(),
-            edges,
-            exposures: -chain.tracker.rate.tick(-1),
-            // A host at the display's rate may be given the display's own rounding.
-            host_period: match chain.host_rate == chain.display.scan.rate {
-                true => gaze.refresh,
-                false => period,
-            },
-            settling,
-            // The last answer comes at most two scans after the first flip, plus the end of its scan.
-            end: longest + gaze.refresh * 4,
-            bounds: [gaze, head],
-        }
-    }
-}
-
-struct Partial {
-    histograms: Vec<Histogram>,
-    pipeline: Pipeline,
-    /// Fastest and slowest, of gaze and of motion.
-    extremes: [[Option<Extreme>; 2]; 2],
-    events: u64,
-}
-
-/// A run that is faster, or slower, than all others; of equals, the first.
-#[derive(Debug, Clone, Copy)]
-struct Extreme {
-    time: Nanos,
-    run: u64,
-    sample: LatencySample,
-}
-
-impl Partial {
-    fn see(&mut self, run: u64, sample: &LatencySample) {
-        for (pair, of) in self
-            .extremes
-            .iter_mut()
-            .zip([Quantity::Gaze, Quantity::Motion])
-        {
-            let time = sample[of(Rows::Gaze).index()];
-            for (slowest, best) in pair.iter_mut().enumerate() {
-                let beaten = best.is_none_or(|b| match slowest {
-                    0 => (time, run) < (b.time, b.run),
-                    _ => (-time, run) < (-b.time, b.run),
-                });
-                if beaten {
-                    let sample = *sample;
-                    *best = Some(Extreme { time, run, sample });
-                }
-            }
-        }
-    }
-
-    fn merge(mut self, other: Self) -> Self {
-        for (mine, theirs) in self.histograms.iter_mut().zip(&other.histograms) {
-            mine.merge(theirs);
-        }
-        self.events += other.events;
-        for pair in other.extremes {
-            for extreme in pair.into_iter().flatten() {
-                self.see(extreme.run, &extreme.sample);
-            }
-        }
-        self
     }
 }
 

@@ -50,9 +50,10 @@ pub use numbers::parse_numbers;
 pub use prediction::{ErrorSpread, Prediction, PredictionRow, PredictionStudy};
 pub use recording::recording_table;
 pub use replay::{
-    Difference, GazePhase, GazePhases, GazeState, Golden, LANDING, Margin, PhaseRow, PhaseSpec,
-    PhaseStudy, REPLAY_COLUMNS, Replay, ReplayError, ReplayFrame, ReplayOptions, ReplayRun,
-    ReplaySummary, SUPPRESSION, Spread, head_predictor, replay, replay_each,
+    Difference, GazePhase, GazePhases, GazeState, Golden, GoldenCheck, LANDING, Margin, PhaseRow,
+    PhaseSpec, PhaseStudy, REPLAY_COLUMNS, Replay, ReplayError, ReplayFrame, ReplayOptions,
+    ReplayRun, ReplaySummary, ReplayTally, Sketch, Spread, Suppression, head_predictor, replay,
+    replay_each, replay_streamed,
 };
 pub use reproduce::{
     Antialiasing, Column, DominanceFit, Fig7User, Guenter2012, Guenter2012Outcome, LatencyBars,

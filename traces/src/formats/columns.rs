@@ -19,6 +19,13 @@ pub(crate) fn called(wanted: &str, name: &str) -> bool {
 }
 
 fn unquoted(field: &str) -> &str {
+    // What begins and ends with a digit or a letter has neither spaces nor quotes around it.
+    if let [first, .., last] = field.as_bytes()
+        && first.is_ascii_alphanumeric()
+        && last.is_ascii_alphanumeric()
+    {
+        return field;
+    }
     let field = field.trim();
     field
         .strip_prefix('"')
@@ -99,18 +106,14 @@ impl<const N: usize> Columns<N> {
     pub(crate) fn pick<'a>(&self, row: &'a str) -> Result<[&'a str; N], usize> {
         let mut picked = [""; N];
         let mut found = 0;
-        let separator = self.separator as u8;
-        let bytes = row.as_bytes();
-        let mut start = 0;
-        for end in 0..=bytes.len() {
-            if end < bytes.len() && bytes[end] != separator {
-                continue;
-            }
+        let mut rest = Some(row);
+        while let Some(text) = rest {
+            let end = memchr::memchr(self.separator as u8, text.as_bytes());
             if let Some(Some(slot)) = self.slots.get(found) {
-                picked[*slot] = unquoted(&row[start..end]);
+                picked[*slot] = unquoted(&text[..end.unwrap_or(text.len())]);
             }
             found += 1;
-            start = end + 1;
+            rest = end.map(|end| &text[end + 1..]);
         }
         if found == self.slots.len() {
             Ok(picked)

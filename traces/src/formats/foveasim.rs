@@ -1,12 +1,11 @@
-use std::io::BufRead;
-
-use foveasim_models::{GazeDirection, Nanos, Pose, Provenance, Recording, Sample};
+use foveasim_models::{GazeDirection, Nanos, Pose, Provenance, Sample};
 
 use super::columns::Columns;
 use super::number::Row;
-use super::{GAZE_ASSUMED, Head, POSE_ASSUMED, in_order, no_rows, series};
-use crate::TraceError;
-use crate::lines::Lines;
+use super::rows::{AllRows, RowReader, RowSamples};
+use super::{GAZE_ASSUMED, Head, POSE_ASSUMED, in_order, no_rows};
+use crate::lines::Line;
+use crate::{Labels, ReadOptions, TraceError};
 
 /// The word after `#` with which the first line begins.
 pub(crate) const MAGIC: &str = "foveasim-trace";
@@ -29,104 +28,121 @@ pub(crate) const COLUMNS: [&str; 10] = [
     "orientation_w",
 ];
 
-/// Our own CSV; see `docs/trace-format.md`.
-pub(super) fn parse<R: BufRead>(
-    head: &Head,
-    lines: &mut Lines<'_, R>,
-) -> Result<Recording, TraceError> {
-    let file = lines.file();
-    let Stated {
-        gaze: gaze_is,
-        pose: pose_is,
-        mut notes,
-    } = comments(file, &head.comments)?;
-    let columns = Columns::new(file, &head.columns, COLUMNS)?;
-    let header = |what: String| TraceError::Header {
-        file: file.to_owned(),
-        line: head.columns.0,
-        what,
-    };
-    if !columns.has(0) {
-        return Err(header("no column t_ns".into()));
-    }
-    if let Some(extra) = columns.extra().first() {
-        let names = foveasim_models::unknown_name("column", extra, &COLUMNS);
-        return Err(header(names.to_string()));
-    }
-    let group =
-        |range: std::ops::Range<usize>| match range.clone().filter(|&i| columns.has(i)).count() {
-            0 => Ok(false),
-            n if n == range.len() => Ok(true),
-            _ => Err(header(format!(
-                "want all of {} or none",
-                COLUMNS[range].join(", ")
-            ))),
+/// Reads our own CSV; see `docs/trace-format.md`.
+pub(super) struct Rows<'a> {
+    file: &'a str,
+    stated: Stated,
+    columns: Columns<10>,
+    has_gaze: bool,
+    has_pose: bool,
+    previous: Option<Nanos>,
+    /// Whether there was any sample of gaze, and of pose.
+    any: [bool; 2],
+}
+
+impl<'a> Rows<'a> {
+    pub(super) fn new(head: &Head, file: &'a str) -> Result<Self, TraceError> {
+        let stated = comments(file, &head.comments)?;
+        let columns = Columns::new(file, &head.columns, COLUMNS)?;
+        let header = |what: String| TraceError::Header {
+            file: file.to_owned(),
+            line: head.columns.0,
+            what,
         };
-    let (has_gaze, has_pose) = (group(1..3)?, group(3..10)?);
-    if !has_gaze && !has_pose {
-        return Err(header("no gaze columns and no pose columns".into()));
-    }
-    let (mut gaze, mut poses) = (Vec::new(), Vec::new());
-    let mut previous: Option<Nanos> = None;
-    while let Some(line) = lines.next()? {
-        if line.text.starts_with('#') {
-            continue;
+        if !columns.has(0) {
+            return Err(header("no column t_ns".into()));
         }
-        let row = Row::new(file, &line, columns.decimal_comma());
-        let texts = row.pick(&columns, line.text)?;
+        if let Some(extra) = columns.extra().first() {
+            let names = foveasim_models::unknown_name("column", extra, &COLUMNS);
+            return Err(header(names.to_string()));
+        }
+        let group =
+            |range: std::ops::Range<usize>| match range.clone().filter(|&i| columns.has(i)).count()
+            {
+                0 => Ok(false),
+                n if n == range.len() => Ok(true),
+                _ => Err(header(format!(
+                    "want all of {} or none",
+                    COLUMNS[range].join(", ")
+                ))),
+            };
+        let (has_gaze, has_pose) = (group(1..3)?, group(3..10)?);
+        if !has_gaze && !has_pose {
+            return Err(header("no gaze columns and no pose columns".into()));
+        }
+        Ok(Self {
+            file,
+            stated,
+            columns,
+            has_gaze,
+            has_pose,
+            previous: None,
+            any: [false; 2],
+        })
+    }
+}
+
+impl RowReader for Rows<'_> {
+    fn row(&mut self, line: &Line<'_>) -> Result<RowSamples, TraceError> {
+        let row = Row::new(self.file, line, self.columns.decimal_comma());
+        let texts = row.pick(&self.columns, line.text)?;
         let t = row.time(COLUMNS[0], texts[0], -9)?;
-        in_order(&row, previous, t)?;
-        previous = Some(t);
-        if has_gaze {
-            match content(&row, &COLUMNS[1..3], &texts[1..3])? {
-                Content::NoSample => {}
-                Content::Missing => gaze.push(Sample { t, value: None }),
+        in_order(&row, self.previous, t)?;
+        self.previous = Some(t);
+        let mut samples = RowSamples::default();
+        if self.has_gaze {
+            let value = match content(&row, &COLUMNS[1..3], &texts[1..3])? {
+                Content::NoSample => None,
+                Content::Missing => Some(None),
                 Content::Value => {
                     let azimuth = row.number(COLUMNS[1], texts[1], -180.0..=180.0)?;
                     let elevation = row.number(COLUMNS[2], texts[2], -90.0..=90.0)?;
-                    gaze.push(Sample {
-                        t,
-                        value: Some(GazeDirection::new(azimuth, elevation)),
-                    });
+                    Some(Some(GazeDirection::new(azimuth, elevation)))
                 }
-            }
+            };
+            samples.gaze = value.map(|value| Sample { t, value });
         }
-        if has_pose {
-            match content(&row, &COLUMNS[3..], &texts[3..])? {
-                Content::NoSample => {}
-                Content::Missing => poses.push(Sample { t, value: None }),
+        if self.has_pose {
+            let value = match content(&row, &COLUMNS[3..], &texts[3..])? {
+                Content::NoSample => None,
+                Content::Missing => Some(None),
                 Content::Value => {
                     let [_, _, _, x, y, z, qx, qy, qz, qw] = texts;
                     let [_, _, _, nx, ny, nz, nqx, nqy, nqz, nqw] = COLUMNS;
                     let position = row.vector([nx, ny, nz], [x, y, z])?;
                     let orientation = row.quaternion([nqx, nqy, nqz, nqw], [qx, qy, qz, qw])?;
-                    poses.push(Sample {
-                        t,
-                        value: Some(Pose::new(position, orientation)),
-                    });
+                    Some(Some(Pose::new(position, orientation)))
                 }
+            };
+            samples.pose = value.map(|value| Sample { t, value });
+        }
+        self.any[0] |= samples.gaze.is_some();
+        self.any[1] |= samples.pose.is_some();
+        Ok(samples)
+    }
+
+    fn finish(&mut self, _: &ReadOptions) -> Result<AllRows, TraceError> {
+        if self.any == [false; 2] {
+            return Err(no_rows(self.file));
+        }
+        let Stated {
+            gaze,
+            pose,
+            mut notes,
+        } = std::mem::take(&mut self.stated);
+        let assumed = [(gaze, GAZE_ASSUMED), (pose, POSE_ASSUMED)];
+        for (any, (is, note)) in self.any.into_iter().zip(assumed) {
+            if any && is.is_none() {
+                notes.push(note.to_owned());
             }
         }
+        Ok(AllRows {
+            range: 0..usize::MAX,
+            provenance: [gaze, pose].map(Option::unwrap_or_default),
+            notes,
+            labels: Labels::default(),
+        })
     }
-    if gaze.is_empty() && poses.is_empty() {
-        return Err(no_rows(file));
-    }
-    for (samples, is, note) in [
-        (gaze.len(), gaze_is, GAZE_ASSUMED),
-        (poses.len(), pose_is, POSE_ASSUMED),
-    ] {
-        if samples > 0 && is.is_none() {
-            notes.push(note.to_owned());
-        }
-    }
-    let gaze = series(gaze, gaze_is.unwrap_or_default());
-    let pose = series(poses, pose_is.unwrap_or_default());
-    Ok(Recording {
-        gaze,
-        pose,
-        notes,
-        ..Recording::default()
-    })
 }
 
 /// What the fields of one group say.

@@ -14,6 +14,7 @@ mod layout;
 mod layouts;
 mod number;
 mod places;
+mod rows;
 mod runs;
 mod segments;
 mod table;
@@ -28,6 +29,8 @@ use crate::{Labels, ReadOptions, TraceError};
 
 pub(crate) use foveasim::{COLUMNS, MAGIC, NO_SAMPLE, VERSION};
 pub(crate) use head::Head;
+pub use rows::RowSamples;
+pub(crate) use rows::{RowReader, next_row};
 
 /// The note on gaze of which nobody said what it is. Readers give it instead of a provenance, and
 /// [`write`](crate::write) writes neither, so that an assumption does not become a statement.
@@ -143,33 +146,56 @@ impl Format {
         matches!(self, Self::EyeNavGs | Self::JuDo1000)
     }
 
+    /// A file that holds one session has no other to be asked for.
+    fn check_segment(self, file: &str, options: &ReadOptions) -> Result<(), TraceError> {
+        match options.segment {
+            Some(wanted) if wanted != 1 && !self.has_segments() => Err(TraceError::NoSuchSegment {
+                file: file.to_owned(),
+                wanted,
+                segments: 1,
+            }),
+            _ => Ok(()),
+        }
+    }
+
+    /// A reader of a file that is understood row by row; `None` for the formats that are not.
+    pub(crate) fn rows<'a>(
+        self,
+        head: &Head,
+        file: &'a str,
+        options: &ReadOptions,
+    ) -> Result<Option<Box<dyn RowReader + 'a>>, TraceError> {
+        self.check_segment(file, options)?;
+        let layout = match self {
+            Self::EyeNavGs | Self::EyeLink | Self::Glasses3 => return Ok(None),
+            Self::Foveasim => return Ok(Some(Box::new(foveasim::Rows::new(head, file)?))),
+            Self::Tum => return Ok(Some(Box::new(tum::Rows::new(file)))),
+            Self::ScreenCentred => &layouts::SCREEN_CENTRED,
+            _ => {
+                let names = columns::names(&head.columns.1);
+                let layout = layout_of(&names).filter(|layout| layout.format == self);
+                layout.expect("the format was found by its layout's columns")
+            }
+        };
+        let table = table::Table::new(layout, head, file, options)?;
+        Ok(Some(Box::new(table)))
+    }
+
     pub(crate) fn parse<R: BufRead>(
         self,
         head: &Head,
         lines: &mut Lines<'_, R>,
         options: &ReadOptions,
     ) -> Result<Parsed, TraceError> {
-        if let Some(wanted) = options.segment.filter(|n| *n != 1)
-            && !self.has_segments()
-        {
-            return Err(TraceError::NoSuchSegment {
-                file: lines.file().to_owned(),
-                wanted,
-                segments: 1,
-            });
-        }
+        self.check_segment(lines.file(), options)?;
         match self {
             Self::EyeNavGs => eyenavgs::parse(head, lines, options).map(Parsed::from),
-            Self::ScreenCentred => table::parse(&layouts::SCREEN_CENTRED, head, lines, options),
             Self::EyeLink => eyelink::parse(lines, options),
             Self::Glasses3 => glasses3::parse(lines),
-            Self::Tum => tum::parse(lines).map(Parsed::from),
-            Self::Foveasim => foveasim::parse(head, lines).map(Parsed::from),
             _ => {
-                let names = columns::names(&head.columns.1);
-                let layout = layout_of(&names).filter(|layout| layout.format == self);
-                let layout = layout.expect("the format was found by its layout's columns");
-                table::parse(layout, head, lines, options)
+                let rows = self.rows(head, lines.file(), options)?;
+                let mut rows = rows.expect("all others are read row by row");
+                rows::collect(rows.as_mut(), lines, options)
             }
         }
     }

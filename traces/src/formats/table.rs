@@ -1,8 +1,7 @@
 use std::borrow::Cow;
-use std::io::BufRead;
 
 use foveasim_models::math::to_rad;
-use foveasim_models::{GazeDirection, Nanos, Pose, Provenance, Recording, Sample};
+use foveasim_models::{GazeDirection, Nanos, Pose, Provenance, Sample};
 use glam::{DQuat, DVec3};
 
 use super::axes::unity_euler;
@@ -12,37 +11,18 @@ use super::gyroscope::Gyroscope;
 use super::layout::{Layout, Rotation};
 use super::number::Row;
 use super::places::{EyePlaces, Places, PosePlaces, WIDE};
+use super::rows::{AllRows, RowReader, RowSamples};
 use super::runs::Runs;
 use super::segments::choose;
-use super::{GAZE_ASSUMED, Head, POSE_ASSUMED, Parsed, count, in_order, no_rows, series};
-use crate::lines::Lines;
+use super::{GAZE_ASSUMED, Head, POSE_ASSUMED, count, in_order, no_rows};
+use crate::lines::Line;
 use crate::{Labels, ReadOptions, Screen, TargetStep, TraceError};
 
 /// Columns not used are listed up to this many, and counted beyond.
 const LISTED: usize = 12;
 
 /// Reads a delimited file of any [`Layout`].
-pub(super) fn parse<R: BufRead>(
-    layout: &Layout,
-    head: &Head,
-    lines: &mut Lines<'_, R>,
-    options: &ReadOptions,
-) -> Result<Parsed, TraceError> {
-    let file = lines.file();
-    let mut table = Table::new(layout, head, file, options)?;
-    while let Some(line) = lines.next()? {
-        if line.text.starts_with('#') {
-            continue;
-        }
-        let row = Row::new(file, &line, table.columns.decimal_comma());
-        let text = table.mended(line.text);
-        let texts = row.pick(&table.columns, &text)?;
-        table.row(&row, &texts)?;
-    }
-    table.finish(options)
-}
-
-struct Table<'a> {
+pub(super) struct Table<'a> {
     layout: &'a Layout,
     file: &'a str,
     names: [&'static str; WIDE],
@@ -61,8 +41,8 @@ struct Table<'a> {
     previous: Option<Nanos>,
     previous_session: String,
     starts: Vec<usize>,
-    gaze: Vec<Sample<GazeDirection>>,
-    poses: Vec<Sample<Pose>>,
+    /// Rows read so far.
+    rows: usize,
     targets: Vec<TargetStep>,
     duplicates: usize,
     mended: usize,
@@ -71,7 +51,7 @@ struct Table<'a> {
 }
 
 impl<'a> Table<'a> {
-    fn new(
+    pub(super) fn new(
         layout: &'a Layout,
         head: &Head,
         file: &'a str,
@@ -134,8 +114,7 @@ impl<'a> Table<'a> {
             previous: None,
             previous_session: String::new(),
             starts: vec![0],
-            gaze: Vec::new(),
-            poses: Vec::new(),
+            rows: 0,
             targets: Vec::new(),
             duplicates: 0,
             mended: 0,
@@ -175,17 +154,16 @@ impl<'a> Table<'a> {
         Cow::Owned(format!("{left}{separator}{right}"))
     }
 
-    fn row(&mut self, row: &Row<'_>, texts: &[&str; WIDE]) -> Result<(), TraceError> {
+    fn samples(&mut self, row: &Row<'_>, texts: &[&str; WIDE]) -> Result<RowSamples, TraceError> {
         let (name, text) = (self.names[self.time], texts[self.time]);
         let t = match self.layout.time.epoch {
             Some(epoch) => row.ticks(name, text, self.layout.time.exponent, epoch)?,
             None => row.time(name, text, self.layout.time.exponent)?,
         };
-        let rows = self.gaze.len().max(self.poses.len());
         let session = self.session.map_or("", |i| texts[i]);
         let begins = session != self.previous_session && self.previous.is_some_and(|p| t < p);
         if begins && row.complete {
-            self.starts.push(rows);
+            self.starts.push(self.rows);
         } else {
             in_order(row, self.previous, t)?;
             self.duplicates += usize::from(self.previous == Some(t));
@@ -194,18 +172,21 @@ impl<'a> Table<'a> {
             session.clone_into(&mut self.previous_session);
         }
         self.previous = Some(t);
-        self.gaze_row(row, texts, t)?;
-        self.pose_row(row, texts, t)
+        self.rows += 1;
+        Ok(RowSamples {
+            gaze: self.gaze(row, texts, t)?,
+            pose: self.pose(row, texts, t)?,
+        })
     }
 
-    fn gaze_row(
+    fn gaze(
         &mut self,
         row: &Row<'_>,
         texts: &[&str; WIDE],
         t: Nanos,
-    ) -> Result<(), TraceError> {
+    ) -> Result<Option<Sample<GazeDirection>>, TraceError> {
         if self.eyes.is_empty() {
-            return Ok(());
+            return Ok(None);
         }
         let mut blinking = false;
         for (column, run) in &mut self.runs {
@@ -222,11 +203,9 @@ impl<'a> Table<'a> {
         };
         self.blinking += usize::from(blinking && value.is_some());
         let value = value.filter(|_| !blinking);
-        self.gaze.push(Sample {
-            t,
-            value: value.and_then(|v| self.direction(v)),
-        });
-        self.target_row(row, texts, t)
+        self.target_row(row, texts, t)?;
+        let value = value.and_then(|v| self.direction(v));
+        Ok(Some(Sample { t, value }))
     }
 
     fn direction(&self, v: DVec3) -> Option<GazeDirection> {
@@ -299,14 +278,14 @@ impl<'a> Table<'a> {
         Ok(())
     }
 
-    fn pose_row(
+    fn pose(
         &mut self,
         row: &Row<'_>,
         texts: &[&str; WIDE],
         t: Nanos,
-    ) -> Result<(), TraceError> {
+    ) -> Result<Option<Sample<Pose>>, TraceError> {
         let (Some(places), Some(pose)) = (&self.pose, &self.layout.pose) else {
-            return Ok(());
+            return Ok(None);
         };
         let numbers = |places: &[usize], limit: f64| -> Result<Option<Vec<f64>>, TraceError> {
             let value = |&i: &usize| row.optional(self.names[i], texts[i], -limit..=limit);
@@ -339,8 +318,7 @@ impl<'a> Table<'a> {
             value = Some(Pose::new(DVec3::ZERO, turned));
             self.integrated = true;
         }
-        self.poses.push(Sample { t, value });
-        Ok(())
+        Ok(Some(Sample { t, value }))
     }
 
     /// A quaternion from four fields; `None` where they are empty, or all zero.
@@ -371,34 +349,6 @@ impl<'a> Table<'a> {
                 &values.join(","),
                 "a quaternion of length 1 (within 0.02)",
             )
-        })
-    }
-
-    fn finish(mut self, options: &ReadOptions) -> Result<Parsed, TraceError> {
-        let rows = self.gaze.len().max(self.poses.len());
-        if rows == 0 {
-            return Err(no_rows(self.file));
-        }
-        let (range, note) = choose(self.file, &self.starts, rows, "row", options)?;
-        let mut notes = self.notes();
-        notes.extend(note);
-        let mut events: Vec<_> = self.runs.iter_mut().flat_map(|(_, r)| r.finish()).collect();
-        events.sort_by_key(|e| e.start);
-        let part = |n: usize| range.start.min(n)..range.end.min(n);
-        let gaze = self.gaze.drain(part(self.gaze.len())).collect();
-        let pose = self.poses.drain(part(self.poses.len())).collect();
-        let truth = Provenance::Truth;
-        Ok(Parsed {
-            recording: Recording {
-                gaze: series(gaze, truth),
-                pose: series(pose, truth),
-                notes,
-                ..Recording::default()
-            },
-            labels: Labels {
-                events,
-                targets: self.targets,
-            },
         })
     }
 
@@ -459,5 +409,34 @@ impl<'a> Table<'a> {
             extra => notes.push(format!("{} not used", count(extra.len(), "column"))),
         }
         notes
+    }
+}
+
+impl RowReader for Table<'_> {
+    fn row(&mut self, line: &Line<'_>) -> Result<RowSamples, TraceError> {
+        let row = Row::new(self.file, line, self.columns.decimal_comma());
+        let text = self.mended(line.text);
+        let texts = row.pick(&self.columns, &text)?;
+        self.samples(&row, &texts)
+    }
+
+    fn finish(&mut self, options: &ReadOptions) -> Result<AllRows, TraceError> {
+        if self.rows == 0 {
+            return Err(no_rows(self.file));
+        }
+        let (range, note) = choose(self.file, &self.starts, self.rows, "row", options)?;
+        let mut notes = self.notes();
+        notes.extend(note);
+        let mut events: Vec<_> = self.runs.iter_mut().flat_map(|(_, r)| r.finish()).collect();
+        events.sort_by_key(|e| e.start);
+        Ok(AllRows {
+            range,
+            provenance: [Provenance::Truth; 2],
+            notes,
+            labels: Labels {
+                events,
+                targets: std::mem::take(&mut self.targets),
+            },
+        })
     }
 }

@@ -36,7 +36,7 @@ fn ahead_with(
     let tracker = tracker([1_000_000; 2]);
     let cost = FixedCost(ms(4));
     let mut setup = Setup::new(scan, response, &tracker, SyncMode::Vsync, &cost);
-    setup.pose = Some(poses);
+    setup.pose = Some(poses.into());
     (setup.head, setup.predictor) = (head, predictor);
     let ahead = |f: &Rendered| {
         let stamp = f.pose?;
@@ -86,7 +86,7 @@ fn a_scan_gives_the_view_its_picture_was_drawn_for() {
     let (scan, response) = panel(Emission::Rolling);
     let (tracker, cost) = (tracker([1_000_000; 2]), FixedCost(ms(4)));
     let mut setup = Setup::new(scan, response, &tracker, SyncMode::Vsync, &cost);
-    setup.pose = Some(&poses);
+    setup.pose = Some((&poses).into());
     let display = presets::display("quest-pro").unwrap();
     let left = display.primary();
     let (mut dark, mut seen) = (0, Vec::new());

@@ -1,5 +1,5 @@
 use foveasim_models::{Emission, Nanos};
-use foveasim_pipeline::{Interval, STAGES, Stage, StageBounds, SyncMode, until};
+use foveasim_pipeline::{BoundKind, Interval, STAGES, Stage, StageBounds, SyncMode, until};
 
 use super::band::Edges;
 
@@ -100,7 +100,22 @@ impl Quantity {
         }
     }
 
-    /// The exact range of the quantity, from the stages' of the same movement.
+    /// Whether those bounds are reached.
+    pub(super) fn bound_kind(self, stages: &StageBounds, edges: &Edges) -> BoundKind {
+        match self {
+            Self::Stage(stage) | Self::MotionStage(stage) => stages.kind(stage),
+            Self::Gaze(rows) | Self::Motion(rows) => {
+                let global = edges.response.emission == Emission::Global;
+                match stages.locked() {
+                    // Which scan holds the rows is left open.
+                    Some(_) if global && rows != Rows::Gaze => BoundKind::Outer,
+                    _ => stages.whole_kind(),
+                }
+            }
+        }
+    }
+
+    /// The range of the quantity, from the stages' of the same movement.
     pub(super) fn bounds(self, stages: &StageBounds, edges: &Edges, sync: SyncMode) -> Interval {
         match self {
             Self::Stage(stage) | Self::MotionStage(stage) => stages.get(stage),
@@ -121,19 +136,24 @@ impl Rows {
                 };
                 to_panel + Interval::exactly(edges.lit(row))
             }
-            _ => to_panel + self.after_flip(stages, edges),
+            // The place of the beam depends on how long the frame renders: both are bounded at once.
+            _ => match (stages.locked(), stages.to_start(), edges.response.emission) {
+                (Some(flip), Some(to_start), Emission::Rolling) => {
+                    let refresh = stages.refresh;
+                    let after = |at| self.after_flip_at(at, refresh, edges);
+                    to_start
+                        + stages.get(Stage::DisplayBuffer)
+                        + flip.way(refresh, &[edges.first, edges.last], after)
+                        + Interval::exactly(self.lit(edges))
+                }
+                _ => to_panel + self.after_flip(stages.refresh, edges),
+            },
         }
     }
 
     /// From a flip anywhere in the scan until the rows are lit, when the picture tears.
-    fn after_flip(self, stages: &StageBounds, edges: &Edges) -> Interval {
-        let (Edges { first, last, .. }, refresh) = (*edges, stages.refresh);
-        let pass = last - first;
-        // From scanned to lit; of a global flash, from the start of the scan.
-        let lit = match edges.response.emission {
-            Emission::Rolling => edges.lit(Nanos::ZERO),
-            Emission::Global => edges.lit(Nanos::ZERO) - last,
-        };
+    fn after_flip(self, refresh: Nanos, edges: &Edges) -> Interval {
+        let pass = edges.last - edges.first;
         // The shortest wait has the beam arrive just after the flip; the longest has it just gone.
         let wait = match (edges.response.emission, self) {
             // The beam inside the layer renews something at once; just below it, the top is next.
@@ -145,20 +165,26 @@ impl Rows {
             (Emission::Global, Self::First) => Interval::new(Nanos::ZERO, refresh),
             (Emission::Global, _) => Interval::new(pass, refresh + pass),
         };
-        let wait = match (stages.flip_at(), edges.response.emission) {
-            // The beam is always at the same place; rounding may move it by a nanosecond.
-            (Some(at), Emission::Rolling) => {
-                let inside = first < at && at < last;
-                let wait = match self {
-                    Self::First if inside => Nanos::ZERO,
-                    Self::First => until(first, at, refresh),
-                    Self::Last if inside => refresh,
-                    _ => until(first, at, refresh) + pass,
-                };
-                Interval::new((wait - Nanos(2)).max(Nanos::ZERO), wait + Nanos(2))
-            }
-            _ => wait,
-        };
-        wait + Interval::exactly(lit)
+        wait + Interval::exactly(self.lit(edges))
+    }
+
+    /// From scanned to lit; of a global flash, from the start of the scan.
+    fn lit(self, edges: &Edges) -> Nanos {
+        match edges.response.emission {
+            Emission::Rolling => edges.lit(Nanos::ZERO),
+            Emission::Global => edges.lit(Nanos::ZERO) - edges.last,
+        }
+    }
+
+    /// From a flip with the beam at `at` until the rows of a rolling picture are scanned.
+    fn after_flip_at(self, at: Nanos, refresh: Nanos, edges: &Edges) -> Nanos {
+        let Edges { first, last, .. } = *edges;
+        let inside = first < at && at < last;
+        match self {
+            Self::First if inside => Nanos::ZERO,
+            Self::First => until(first, at, refresh),
+            Self::Last if inside => refresh,
+            _ => until(first, at, refresh) + (last - first),
+        }
     }
 }

@@ -1,7 +1,7 @@
 use std::str::FromStr;
 
 use foveasim_models::{Durations, ModelError, Nanos, Role, Stream, unknown_name};
-use foveasim_pipeline::Interval;
+use foveasim_pipeline::{BoundKind, Interval};
 use foveasim_reports::{Cell, Table};
 
 use super::{Histogram, LatencyError};
@@ -123,6 +123,7 @@ impl Fig5Result {
         for ((name, h), bound) in BARS.iter().zip(&self.histograms).zip(&self.bounds) {
             let mut row = vec![Cell::from(*name)];
             row.extend(super::result::columns(h, *bound).map(Cell::from));
+            row.push(BoundKind::Exact.name().into());
             table.push(row);
         }
         table

@@ -1,5 +1,5 @@
 use foveasim_models::Nanos;
-use foveasim_pipeline::Interval;
+use foveasim_pipeline::{BoundKind, Interval};
 use foveasim_reports::{Cell, Table};
 
 use super::{Histogram, LatencySample, QUANTITIES, Quantity};
@@ -9,8 +9,10 @@ use super::{Histogram, LatencySample, QUANTITIES, Quantity};
 pub struct LatencyResult {
     /// One for each of [`QUANTITIES`].
     pub histograms: Vec<Histogram>,
-    /// Exact bounds, in the same order.
+    /// Bounds, in the same order.
     pub bounds: Vec<Interval>,
+    /// Whether they are reached, or only hold.
+    pub bound_kinds: Vec<BoundKind>,
     /// The fastest and the slowest run to the row gazed at: of gaze, and of motion.
     pub extremes: [[LatencySample; 2]; 2],
     /// How many events were simulated.
@@ -18,7 +20,7 @@ pub struct LatencyResult {
 }
 
 /// Columns of latency tables.
-pub(super) const COLUMNS: [&str; 10] = [
+pub(super) const COLUMNS: [&str; 11] = [
     "stage",
     "min_ms",
     "p5_ms",
@@ -29,6 +31,7 @@ pub(super) const COLUMNS: [&str; 10] = [
     "max_ms",
     "bound_min_ms",
     "bound_max_ms",
+    "bound",
 ];
 
 /// The numbers of one row of such a table.
@@ -70,7 +73,8 @@ impl LatencyResult {
         }
     }
 
-    /// One row per quantity of gaze: quantiles and mean of the simulation, then the exact bounds.
+    /// One row per quantity of gaze: quantiles and mean of the simulation, then the bounds and whether they
+    /// are `exact` or `outer`.
     pub fn table(&self) -> Table {
         self.table_of(|q| !q.is_motion())
     }
@@ -86,9 +90,10 @@ impl LatencyResult {
             if !(chosen(quantity) && self.is_told(quantity)) {
                 continue;
             }
-            let values = columns(self.histogram(quantity), *bound);
-            let row = std::iter::once(quantity.name().into());
-            table.push(row.chain(values.map(Cell::from)).collect());
+            let mut row: Vec<Cell> = vec![quantity.name().into()];
+            row.extend(columns(self.histogram(quantity), *bound).map(Cell::from));
+            row.push(self.bound_kinds[quantity.index()].name().into());
+            table.push(row);
         }
         table
     }

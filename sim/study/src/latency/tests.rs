@@ -3,6 +3,8 @@ use foveasim_pipeline::STAGES;
 
 use super::*;
 
+mod chains;
+mod guenter;
 mod properties;
 mod search;
 mod sensitivity;

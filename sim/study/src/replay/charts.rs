@@ -33,6 +33,33 @@ impl Replay {
         }
     }
 
+    /// From the exposure that a frame used to its light, along the recording; saccades marked where they are
+    /// known. Frames without a gaze have none.
+    pub fn latency_chart(&self, phases: Option<&GazePhases>) -> LineChart {
+        let point = |f: &ReplayFrame| {
+            let ms = f.exposure_to_photon().map_or(f64::NAN, Nanos::as_ms);
+            [self.seconds(f.lit), ms]
+        };
+        let p95 = self
+            .summary()
+            .exposure_to_photon_ms
+            .map(|e| (e.p95, "95th percentile".to_owned()));
+        LineChart {
+            title: "Latency along the recording".into(),
+            x_label: "time [s]".into(),
+            y_label: "exposure to photon [ms]".into(),
+            series: vec![LineSeries {
+                label: "exposure to photon".into(),
+                points: self.frames.iter().map(point).collect(),
+            }],
+            shaded: self.unknown(&self.frames),
+            shaded_label: "true gaze not known".into(),
+            levels: p95.into_iter().collect(),
+            marked: self.saccades(phases, &self.frames),
+            marked_label: "saccade".into(),
+        }
+    }
+
     /// Where the eye was when light came out, and where the fovea of the picture was drawn, in the first
     /// five seconds shown.
     pub fn gaze_path_chart(&self, phases: Option<&GazePhases>) -> LineChart {

@@ -16,6 +16,9 @@ pub enum GazeState {
 }
 
 impl GazeState {
+    /// Every state, in the order in which they are counted.
+    pub const ALL: [Self; 4] = [Self::Tracked, Self::Held, Self::Lost, Self::Fixed];
+
     /// As in tables.
     pub fn name(self) -> &'static str {
         match self {
@@ -113,8 +116,8 @@ impl ReplayFrame {
         self.pose.map_or(Pose::IDENTITY, |p| p.pose)
     }
 
-    /// The row of the table, times from `start`.
-    pub(super) fn row(&self, start: Nanos) -> Vec<Cell> {
+    /// The row of a table of [`REPLAY_COLUMNS`], times from `start`.
+    pub fn row(&self, start: Nanos) -> Vec<Cell> {
         let ms = |t: Nanos| Cell::from((t - start).as_ms());
         let lasting = |t: Option<Nanos>| Cell::from(t.map(Nanos::as_ms));
         vec![

@@ -1,6 +1,6 @@
 use std::fmt;
 
-use foveasim_reports::Table;
+use foveasim_reports::{Cell, Table, TableDigest, csv_line};
 
 /// What a replay should give: the digest of its table, or the whole table as CSV.
 #[derive(Debug, Clone, PartialEq, Eq)]
@@ -47,48 +47,101 @@ impl Golden {
 
     /// The first difference between this and `table`.
     pub fn difference(&self, table: &Table) -> Option<Difference> {
+        let mut check = GoldenCheck::new(self, table.columns());
+        table.rows().iter().for_each(|row| check.row(row));
+        check.finish()
+    }
+}
+
+/// Compares a table with its golden one row by row.
+#[derive(Debug)]
+pub struct GoldenCheck<'a> {
+    golden: &'a Golden,
+    columns: Vec<String>,
+    digest: TableDigest,
+    /// Lines compared so far, the header's among them.
+    lines: usize,
+    found: Option<Difference>,
+}
+
+impl<'a> GoldenCheck<'a> {
+    /// Begins with the header of a table of these columns.
+    pub fn new<S: AsRef<str>>(golden: &'a Golden, columns: &[S]) -> Self {
+        let columns: Vec<String> = columns.iter().map(|c| c.as_ref().to_owned()).collect();
+        let mut check = Self {
+            golden,
+            digest: TableDigest::new(&columns),
+            columns,
+            lines: 0,
+            found: None,
+        };
+        let header: Vec<Cell> = check.columns.iter().map(|c| c.as_str().into()).collect();
+        check.line(&header);
+        check
+    }
+
+    /// Compares the next row.
+    pub fn row(&mut self, row: &[Cell]) {
+        match self.golden {
+            Golden::Digest(_) => self.digest.row(row),
+            Golden::Csv(_) => self.line(row),
+        }
+    }
+
+    fn line(&mut self, row: &[Cell]) {
+        let Golden::Csv(expected) = self.golden else {
+            return;
+        };
+        let i = self.lines;
+        self.lines += 1;
+        let (None, Some(want)) = (&self.found, expected.get(i)) else {
+            return;
+        };
+        let have = csv_line(row);
+        let (mut want, mut have) = (want.split(','), have.trim_end_matches('\n').split(','));
         let quoted = |cell: Option<&str>| cell.map_or("nothing".into(), |text| format!("`{text}`"));
-        match self {
-            Self::Digest(expected) => {
-                let got = table.digest();
-                let place = "digest".into();
-                (got != *expected).then(|| Difference {
+        for c in 0.. {
+            let (a, b) = (want.next(), have.next());
+            if a != b {
+                let column = self
+                    .columns
+                    .get(c)
+                    .map_or("beyond the last", String::as_str);
+                let place = match i {
+                    0 => format!("header, column {}", c + 1),
+                    _ => format!("row {i}, column {column}"),
+                };
+                self.found = Some(Difference {
                     place,
+                    expected: quoted(a),
+                    got: quoted(b),
+                });
+                return;
+            }
+            if a.is_none() {
+                return;
+            }
+        }
+    }
+
+    /// The first difference, if there is any.
+    pub fn finish(self) -> Option<Difference> {
+        match self.golden {
+            Golden::Digest(expected) => {
+                let got = self.digest.finish();
+                (got != *expected).then(|| Difference {
+                    place: "digest".into(),
                     expected: expected.clone(),
                     got,
                 })
             }
-            Self::Csv(expected) => {
-                let got = table.csv();
-                let got: Vec<&str> = got.lines().collect();
-                let columns = table.columns();
-                for (i, (want, have)) in expected.iter().zip(&got).enumerate() {
-                    let (mut want, mut have) = (want.split(','), have.split(','));
-                    for c in 0.. {
-                        let (a, b) = (want.next(), have.next());
-                        if a != b {
-                            let column = columns.get(c).map_or("beyond the last", String::as_str);
-                            let place = match i {
-                                0 => format!("header, column {}", c + 1),
-                                _ => format!("row {i}, column {column}"),
-                            };
-                            return Some(Difference {
-                                place,
-                                expected: quoted(a),
-                                got: quoted(b),
-                            });
-                        }
-                        if a.is_none() {
-                            break;
-                        }
-                    }
-                }
-                (expected.len() != got.len()).then(|| Difference {
+            Golden::Csv(expected) => self.found.or_else(|| {
+                (expected.len() != self.lines).then(|| Difference {
                     place: "number of rows".into(),
                     expected: (expected.len() - 1).to_string(),
-                    got: (got.len() - 1).to_string(),
+                    got: (self.lines - 1).to_string(),
                 })
-            }
+            }),
         }
     }
 }
@@ -100,7 +153,7 @@ mod tests {
     fn table() -> Table {
         let mut table = Table::new(["scan", "x"]);
         table.push(vec![0u32.into(), 1.5.into()]);
-        table.push(vec![1u32.into(), foveasim_reports::Cell::Empty]);
+        table.push(vec![1u32.into(), Cell::Empty]);
         table
     }
 

@@ -1,11 +1,11 @@
 use std::ops::ControlFlow;
 
 use foveasim_models::{
-    Display, EyePanel, GazeDirection, GazeMode, GazeSeries, Interpolate, Nanos, Pose, Provenance,
-    ScanClock, Series,
+    Display, EyePanel, GazeDirection, GazeMode, Interpolate, Nanos, Pose, ScanClock,
 };
 use foveasim_pipeline::{Cursor, Displayed, Rendered, Setup, Shown, Sink, Stages};
 
+use super::played::Track;
 use super::{GazeState, ReplayFrame};
 
 /// Compares every scan with what was true when it gave light.
@@ -29,16 +29,18 @@ struct Truth<'a, T> {
 }
 
 impl<'a, T: Interpolate> Truth<'a, T> {
-    fn new(series: &'a Series<T>, max_gap: Nanos) -> Self {
-        let delay = match series.provenance() {
-            Provenance::Truth => Nanos::ZERO,
-            Provenance::TrackerOutput { delay } => delay,
-        };
+    fn new(track: Track<'a, T>, max_gap: Nanos) -> Self {
         Self {
-            cursor: Cursor::new(series),
-            delay,
+            cursor: Cursor::new(track.samples),
+            delay: track.delay(),
             max_gap,
         }
+    }
+
+    /// Nothing before `t` will be asked for any more.
+    fn release(&mut self, t: Nanos) {
+        self.cursor.seek(t + self.delay);
+        self.cursor.release();
     }
 
     fn at(&mut self, t: Nanos) -> Option<T> {
@@ -47,13 +49,14 @@ impl<'a, T: Interpolate> Truth<'a, T> {
 }
 
 impl<'a, F: FnMut(ReplayFrame)> Observer<'a, F> {
-    /// Gives each displayed frame to `each`. Compares with `gaze` and with the poses of `setup`; frames that start with gaze older than
-    /// `fresh` hold it, and rows lit after `end` are not looked at.
+    /// Gives each displayed frame to `each`. Compares with `gaze` and `pose`; frames
+    /// that start with gaze older than `fresh` hold it, and rows lit after `end` are not looked at.
     pub(super) fn new(
         display: &'a Display,
         setup: &Setup<'a>,
         mode: GazeMode,
-        gaze: Option<&'a GazeSeries>,
+        gaze: Option<Track<'a, GazeDirection>>,
+        pose: Option<Track<'a, Pose>>,
         fresh: Nanos,
         end: Nanos,
         each: F,
@@ -61,8 +64,8 @@ impl<'a, F: FnMut(ReplayFrame)> Observer<'a, F> {
         Self {
             panel: display.primary(),
             mode,
-            gaze: gaze.map(|series| Truth::new(series, setup.max_gap)),
-            pose: setup.pose.map(|series| Truth::new(series, setup.max_gap)),
+            gaze: gaze.map(|track| Truth::new(track, setup.max_gap)),
+            pose: pose.map(|track| Truth::new(track, setup.max_gap)),
             fresh,
             end,
             each,
@@ -149,6 +152,13 @@ impl<'a, F: FnMut(ReplayFrame)> Observer<'a, F> {
 
 impl<F: FnMut(ReplayFrame)> Sink for Observer<'_, F> {
     fn displayed(&mut self, scan: &Displayed) -> ControlFlow<()> {
+        // No row of this scan or a later one is lit before it begins.
+        if let Some(gaze) = &mut self.gaze {
+            gaze.release(scan.vblank);
+        }
+        if let Some(pose) = &mut self.pose {
+            pose.release(scan.vblank);
+        }
         match self.look(scan) {
             None => self.dark_scans += 1,
             Some(frame) if frame.lit <= self.end => (self.each)(frame),

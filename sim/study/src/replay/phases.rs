@@ -34,6 +34,28 @@ impl GazePhase {
 /// How long after its end a saccade's landing lasts: 50 ms.
 pub const LANDING: Nanos = Nanos(50_000_000);
 
+/// The time around saccades in which jumps of the picture go unseen.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Suppression {
+    /// Before they begin: suppression starts tens of milliseconds ahead of the eye (Diamond, Ross & Morrone
+    /// 2000), but how much of a jump of detail it hides then was not measured. By default nothing counts as
+    /// hidden.
+    pub before: Nanos,
+    /// After they end.
+    pub after: Nanos,
+}
+
+impl Default for Suppression {
+    /// None before, and 60 ms after, up to which updates of the picture go unseen (Loschky & Wolverton
+    /// 2007).
+    fn default() -> Self {
+        Self {
+            before: Nanos::ZERO,
+            after: Nanos(60_000_000),
+        }
+    }
+}
+
 /// When the eye fixates, jumps and lands in a recording, by the events found in the recording itself.
 ///
 /// All times are those of the eye: the events of a tracker's output are moved back by the delay that it
@@ -84,12 +106,12 @@ impl GazePhases {
         }
     }
 
-    /// Whether the eye is blind to jumps of the picture at `t`: in a saccade, up to `window` after its
-    /// end, or in a blink.
-    pub fn suppressed(&self, t: Nanos, window: Nanos) -> bool {
+    /// Whether the eye is blind to jumps of the picture at `t`: in a saccade, in the time around it that
+    /// `window` says, or in a blink.
+    pub fn suppressed(&self, t: Nanos, window: Suppression) -> bool {
         match self.during(t) {
             Some(EventKind::Saccade | EventKind::Blink) => true,
-            _ => self.landed_within(t, window),
+            _ => self.landed_within(t, window.after) || self.leaves_within(t, window.before),
         }
     }
 
@@ -118,6 +140,12 @@ impl GazePhases {
     fn during(&self, t: Nanos) -> Option<EventKind> {
         let last = self.begun(t).last()?;
         (t <= last.end).then_some(last.kind)
+    }
+
+    fn leaves_within(&self, t: Nanos, window: Nanos) -> bool {
+        let mut coming = self.events[self.begun(t).len()..].iter();
+        let next = coming.find(|e| e.kind == EventKind::Saccade);
+        next.is_some_and(|e| e.start - t <= window && window > Nanos::ZERO)
     }
 
     fn landed_within(&self, t: Nanos, window: Nanos) -> bool {
@@ -184,12 +212,28 @@ mod tests {
     #[test]
     fn suppression_ends_with_its_window() {
         let p = phases(0);
-        let window = Nanos(60 * MS);
-        let blind = |ns: i64| p.suppressed(Nanos(ns), window);
+        let blind = |ns: i64| p.suppressed(Nanos(ns), Suppression::default());
         assert!(!blind(100 * MS - 1) && blind(100 * MS) && blind(200 * MS));
         assert!(!blind(200 * MS + 1));
         assert!(blind(450 * MS) && !blind(501 * MS), "a blink hides as well");
-        assert!(!p.suppressed(Nanos(140 * MS + 1), Nanos::ZERO));
+        let none = Suppression {
+            after: Nanos::ZERO,
+            ..Suppression::default()
+        };
+        assert!(!p.suppressed(Nanos(140 * MS + 1), none));
+    }
+
+    #[test]
+    fn suppression_may_begin_before_its_saccade() {
+        let p = phases(0);
+        let window = Suppression {
+            before: Nanos(50 * MS),
+            ..Suppression::default()
+        };
+        let blind = |ns: i64| p.suppressed(Nanos(ns), window);
+        assert!(!blind(50 * MS - 1) && blind(50 * MS) && blind(99 * MS));
+        assert!(!blind(360 * MS), "no window before a blink");
+        assert!(!phases(0).suppressed(Nanos(99 * MS), Suppression::default()));
     }
 
     #[test]

@@ -1,8 +1,7 @@
 use foveasim_models::Nanos;
-use foveasim_models::math::{mean, quantile_sorted};
-use foveasim_pipeline::{STAGES, Stage};
+use foveasim_pipeline::{RunCounts, STAGES};
 
-use super::{GazeState, Replay};
+use super::{GazeState, ReplayFrame, Sketch};
 
 /// How a quantity is spread over displayed frames.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -11,26 +10,23 @@ pub struct Spread {
     pub n: u64,
     /// Mean.
     pub mean: f64,
-    /// Median.
+    /// Median, as a [`Sketch`] knows it: to 1 µs or 0.001°.
     pub p50: f64,
-    /// 95 % are at or below this.
+    /// 95 % are at or below this, likewise.
     pub p95: f64,
     /// The largest.
     pub max: f64,
 }
 
 impl Spread {
-    /// The spread of `values`; `None` of none.
-    fn of(values: impl Iterator<Item = f64>) -> Option<Self> {
-        let mut values: Vec<f64> = values.collect();
-        values.sort_by(f64::total_cmp);
-        let max = *values.last()?;
-        Some(Self {
-            n: values.len() as u64,
-            mean: mean(&values),
-            p50: quantile_sorted(&values, 0.5),
-            p95: quantile_sorted(&values, 0.95),
-            max,
+    /// The spread of what was counted; `None` of nothing.
+    fn of(sketch: &Sketch) -> Option<Self> {
+        (!sketch.is_empty()).then(|| Self {
+            n: sketch.len(),
+            mean: sketch.mean(),
+            p50: sketch.quantile(0.5),
+            p95: sketch.quantile(0.95),
+            max: sketch.max(),
         })
     }
 }
@@ -62,53 +58,90 @@ pub struct ReplaySummary {
     pub head_error_deg: Option<Spread>,
 }
 
-impl ReplaySummary {
-    pub(super) fn new(replay: &Replay) -> Self {
-        let frames = &replay.frames;
-        let count = |state: GazeState| frames.iter().filter(|f| f.state == state).count() as u64;
-        let stages: Vec<_> = frames.iter().filter_map(|f| f.stages).collect();
-        let mean_of = |stage: Stage| {
-            mean(
-                &stages
-                    .iter()
-                    .map(|s| s.get(stage).as_ms())
-                    .collect::<Vec<_>>(),
-            )
-        };
-        let repeated = frames
-            .windows(2)
-            .filter(|w| w[0].frame.id == w[1].frame.id)
-            .count();
-        let torn = frames
-            .iter()
-            .filter(|f| f.frame_ids[0] != f.frame_ids[1])
-            .count();
-        let unknown = frames.iter().filter(|f| f.true_gaze.is_none()).count();
+/// Counts displayed frames, in order, for a [`ReplaySummary`]; its memory is bounded.
+#[derive(Debug, Clone)]
+pub struct ReplayTally {
+    scans: u64,
+    repeated: u64,
+    torn: u64,
+    states: [u64; GazeState::ALL.len()],
+    truth_unknown: u64,
+    gaze_error: Sketch,
+    latency: Sketch,
+    head_error: Sketch,
+    /// Frames that knew a gaze, and the sum of each of their stages \[ns\].
+    stages: (u64, [i128; STAGES.len()]),
+    /// The frame shown last.
+    last: Option<u64>,
+}
+
+/// Quantiles are known to this \[ms, deg\].
+const LATENCY_BIN_MS: f64 = 0.001;
+const ANGLE_BIN_DEG: f64 = 0.001;
+
+impl Default for ReplayTally {
+    fn default() -> Self {
         Self {
-            scans: frames.len() as u64,
-            dark_scans: replay.dark_scans,
-            frames: replay.counts.frames,
-            repeated: repeated as u64,
-            torn: torn as u64,
-            states: [
-                GazeState::Tracked,
-                GazeState::Held,
-                GazeState::Lost,
-                GazeState::Fixed,
-            ]
-            .map(count),
-            truth_unknown: unknown as u64,
-            gaze_error_deg: Spread::of(frames.iter().filter_map(|f| f.gaze_error_deg())),
-            exposure_to_photon_ms: Spread::of(
-                frames
-                    .iter()
-                    .filter_map(|f| f.exposure_to_photon().map(Nanos::as_ms)),
-            ),
-            mean_stages_ms: (!stages.is_empty()).then(|| STAGES.map(mean_of)),
-            head_error_deg: Spread::of(frames.iter().filter_map(|f| f.head_error_deg)),
+            scans: 0,
+            repeated: 0,
+            torn: 0,
+            states: [0; GazeState::ALL.len()],
+            truth_unknown: 0,
+            gaze_error: Sketch::new(ANGLE_BIN_DEG),
+            latency: Sketch::new(LATENCY_BIN_MS),
+            head_error: Sketch::new(ANGLE_BIN_DEG),
+            stages: (0, [0; STAGES.len()]),
+            last: None,
+        }
+    }
+}
+
+impl ReplayTally {
+    /// Counts the next displayed frame.
+    pub fn add(&mut self, frame: &ReplayFrame) {
+        self.scans += 1;
+        self.repeated += u64::from(self.last == Some(frame.frame.id));
+        self.last = Some(frame.frame.id);
+        self.torn += u64::from(frame.frame_ids[0] != frame.frame_ids[1]);
+        self.states[frame.state as usize] += 1;
+        self.truth_unknown += u64::from(frame.true_gaze.is_none());
+        let add = |sketch: &mut Sketch, value: Option<f64>| {
+            if let Some(value) = value {
+                sketch.add(value);
+            }
+        };
+        add(&mut self.gaze_error, frame.gaze_error_deg());
+        let latency = frame.exposure_to_photon().map(Nanos::as_ms);
+        add(&mut self.latency, latency);
+        add(&mut self.head_error, frame.head_error_deg);
+        if let Some(stages) = &frame.stages {
+            self.stages.0 += 1;
+            for (sum, stage) in self.stages.1.iter_mut().zip(STAGES) {
+                *sum += i128::from(stages.get(stage).0);
+            }
         }
     }
 
+    /// The summary of a replay with these frames.
+    pub fn finish(&self, dark_scans: u64, counts: &RunCounts) -> ReplaySummary {
+        let (n, sums) = self.stages;
+        ReplaySummary {
+            scans: self.scans,
+            dark_scans,
+            frames: counts.frames,
+            repeated: self.repeated,
+            torn: self.torn,
+            states: self.states,
+            truth_unknown: self.truth_unknown,
+            gaze_error_deg: Spread::of(&self.gaze_error),
+            exposure_to_photon_ms: Spread::of(&self.latency),
+            mean_stages_ms: (n > 0).then(|| sums.map(|sum| sum as f64 / n as f64 / 1e6)),
+            head_error_deg: Spread::of(&self.head_error),
+        }
+    }
+}
+
+impl ReplaySummary {
     /// For people: a few sentences.
     pub fn lines(&self) -> Vec<String> {
         let [tracked, held, lost, fixed] = self.states;

@@ -1,6 +1,11 @@
-use foveasim_models::{FixedCost, GazeDirection, Pose, Sample, Series, presets};
+use foveasim_models::{
+    FixedCost, GazeDirection, GazeSeries, HeadPredictor, Pose, Sample, Series, presets,
+};
+use foveasim_pipeline::SyncMode;
 
 use super::*;
+
+mod streamed;
 
 const MS: i64 = 1_000_000;
 

@@ -42,9 +42,10 @@ const PRINTED_MS: [[f64; 2]; 2] = [[15.0, 52.0], [45.0, 81.0]];
 /// Displays*, i-Perception 12 (2021), predicted from presets.
 ///
 /// Nothing is tuned: a program blocked on the swap that renders for one refresh, no compositor, no
-/// frames in flight beyond one, none held by the display. The trackers' processing times, however, are
-/// not published, and their presets' sources say that they were chosen with this paper's delays in
-/// sight: the delays are no test of the model, the steps from delay to latency are.
+/// frames in flight beyond one, none held by the display. Of the Fove-0, its maker states the parts of its
+/// tracker's delay. The other trackers' processing times are not published, and their presets' sources
+/// say that they were chosen with this paper's delays in sight: those delays are no test of the model, the
+/// steps from delay to latency are.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Stein2021 {
     /// One for each headset.

@@ -6,7 +6,9 @@ use foveasim_traces::EventOptions;
 
 use super::moments::PAGE_IMAGE_PX;
 use super::{Moment, Run, RunError, moments};
-use crate::{GazePhases, Quantity, RenderTime, Rows, Scenario};
+use crate::{
+    GazePhases, LANDING, PhaseSpec, PhaseStudy, Quantity, RenderTime, Rows, Scenario, Suppression,
+};
 
 /// Everything in one page that needs nothing else.
 pub(super) fn page(run: &Run, scenario: &Scenario) -> Result<String, RunError> {
@@ -18,7 +20,7 @@ pub(super) fn page(run: &Run, scenario: &Scenario) -> Result<String, RunError> {
     asked(&mut page, run, scenario);
     savings(&mut page, run, scenario);
     latency(&mut page, run, scenario);
-    recording(&mut page, run)?;
+    recording(&mut page, run, scenario)?;
     seen(&mut page, run, scenario)?;
     evidence(&mut page, scenario)?;
     Ok(page.html())
@@ -192,14 +194,14 @@ fn latency(page: &mut Page, run: &Run, scenario: &Scenario) {
         &format!("The chain of {} and {} with {}, from the eye's movement to light at the gaze row. Shaded: the longest possible, by interval arithmetic.", scenario.tracker.title, scenario.display.title, scenario.sync),
         &latency.waterfall().svg(),
     );
-    page.svg("All clocks have independent phases. Shaded: the exact bounds, found by interval arithmetic.", &latency.chart(Quantity::Gaze(Rows::Last)).svg());
+    page.svg("All clocks have independent phases. Shaded: the bounds, found by interval arithmetic; the table says which are exact.", &latency.chart(Quantity::Gaze(Rows::Last)).svg());
     if scenario.render_time == RenderTime::Cost {
         page.note("Frames take what the cost profile says of their own samples; here each takes the mean over the layers' cadence, and the bounds are those of that time.");
     }
     page.table("Every stage and quantity", &latency.table());
 }
 
-fn recording(page: &mut Page, run: &Run) -> Result<(), RunError> {
+fn recording(page: &mut Page, run: &Run, scenario: &Scenario) -> Result<(), RunError> {
     page.heading("The recording");
     page.list(run.replay.summary().lines());
     let notes: Vec<&String> = run
@@ -218,6 +220,29 @@ fn recording(page: &mut Page, run: &Run) -> Result<(), RunError> {
         "The angle between where the eye was when the row it looked at gave light, and where the fovea of \
          that picture had been drawn. Saccades stand out: the picture follows one latency later.",
         &run.replay.gaze_error_chart(phases.as_ref()).svg(),
+    );
+    if let Some(phases) = &phases {
+        let spec = PhaseSpec {
+            display: &scenario.display,
+            method: *scenario.featured(),
+            acuity: scenario.acuity,
+            suppression: Suppression::default(),
+        };
+        let study = PhaseStudy::new(&run.replay, phases, &spec)?;
+        page.table(
+            &format!(
+                "That angle by what the eye did: in fixations, in saccades, and up to {} ms after landing; beside it, \
+                 what margins that cover it cost with {}, and how often a jump beyond them would be seen",
+                LANDING.as_ms(),
+                scenario.featured()
+            ),
+            &study.table(None),
+        );
+    }
+    page.svg(
+        "How old each picture was: from the start of the exposure whose gaze it used to the light of the row \
+         looked at. Over a blink or a loss the last gaze is held, and ages.",
+        &run.replay.latency_chart(phases.as_ref()).svg(),
     );
     page.details("What was recorded", |page| -> Result<(), RunError> {
         page.table("", &run.recording_table());
@@ -288,7 +313,7 @@ fn evidence(page: &mut Page, scenario: &Scenario) -> Result<(), RunError> {
     page.heading("What this rests on");
     page.list([
         "Sample counts are those of the design that is drawn: its closed form, within 1e-9 of the optimum of its equations. The ideal floor is integrated to 1e-6.",
-        "Latency is simulated event by event in whole nanoseconds; the bounds beside it are exact for independent clocks.",
+        "Latency is simulated event by event in whole nanoseconds; the bounds beside it are exact for independent clocks, but for those marked as outer: these hold and need not be reached.",
         "Predicted times use samples alone. That is a first estimate, not a measurement of your GPU: geometry, overdraw and bandwidth are not in it.",
         "SSIM (Wang 2004) and PSNR compare pixels; they do not know what an eye can see at an eccentricity. Read them by ring.",
         "Between samples of the recording the gaze is interpolated linearly. Below 500 Hz the shape of saccades is not in the data, and errors during them are underestimated.",

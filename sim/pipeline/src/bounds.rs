@@ -177,12 +177,10 @@ impl StageBounds {
     /// Whether the bounds of a stage are reached.
     pub fn kind(&self, stage: Stage) -> BoundKind {
         match stage {
-            Stage::FrameWait => self.whole_is,
-            Stage::FrameQueue | Stage::Render | Stage::FlipWait => match self.get(stage).width() {
-                Nanos::ZERO => BoundKind::Exact,
-                _ => self.parts_are,
-            },
-            Stage::ScanWait => self.whole_is,
+            // What does not vary is what it is.
+            _ if self.get(stage).width() == Nanos::ZERO => BoundKind::Exact,
+            Stage::FrameWait | Stage::ScanWait => self.whole_is,
+            Stage::FrameQueue | Stage::Render | Stage::FlipWait => self.parts_are,
             _ => BoundKind::Exact,
         }
     }

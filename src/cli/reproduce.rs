@@ -112,8 +112,9 @@ fn meng2020(args: &Args, ctx: &Context) -> Result<(), Failure> {
     let report = outputs.path("report.html");
     outputs.commit()?;
     ctx.print_table(&found.caption())?;
-    ctx.print_table(&measured.timings.table())?;
     if ctx.format == Format::Table {
+        ctx.print("\n")?;
+        ctx.print_table(&measured.timings.table())?;
         ctx.print(&format!("\nreport  {}\n", report.display()))?;
     }
     Ok(())

@@ -51,9 +51,29 @@ fn kernels() {
     kernel(&["--method", "vsr"], &["unknown method `vsr`", "vrs"]);
     refused(
         &s,
-        &["reproduce", "meng2020", "--quick"],
-        &["meng2020 draws nothing"],
+        &["reproduce", "meng2020", "--antialiasing-frames", "3"],
+        &["meng2020 has no antialiasing"],
     );
+}
+
+#[test]
+fn both_eyes() {
+    let s = Scratch::new();
+    let render = |more: &str, parts: &[&str]| {
+        let words = format!("render --method kfr:2:1 --size 64x64 {more}");
+        refused(&s, &words.split(' ').collect::<Vec<_>>(), parts);
+    };
+    render("--stereo", &["--stereo: lg-w2363d", "want a headset"]);
+    render(
+        "--stereo --display quest-pro --frames 2",
+        &["--stereo: draws one frame"],
+    );
+    for distance in ["0", "nan", "1e9"] {
+        let flags = format!("--stereo --display quest-pro --gaze-distance {distance}");
+        render(&flags, &["--gaze-distance", "0.05 to 10000"]);
+    }
+    render("--gaze-distance 2", &["--stereo"]);
+    render("--frames 2", &["kfr:2:1", "do not lie evenly"]);
 }
 
 #[test]

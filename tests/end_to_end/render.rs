@@ -203,3 +203,30 @@ fn flags_that_cannot_be_meant() {
     }
     assert!(!s.path("x").exists());
 }
+
+#[test]
+fn both_eyes_and_what_they_share() {
+    let s = Scratch::new();
+    let words = "render --stereo --display quest-pro --size 96x100 --method efr:2:3 --gaze-distance 2 --passes --format csv --out e";
+    let quality = rows(&s.ok(&words.split(' ').collect::<Vec<_>>()));
+    assert!(
+        quality.iter().any(|r| r["eye"] == "left") && quality.iter().any(|r| r["eye"] == "right")
+    );
+    let (left, right) = (pixels(&s, "e/left.png"), pixels(&s, "e/right.png"));
+    assert!(left.len() == 3 * 96 * 100 && right.len() == left.len() && left != right);
+    // W/σ × H/σ samples: the right eye is dominant.
+    assert_eq!(pixels(&s, "e/left-pass-0.png").len(), 3 * 32 * 34);
+    assert_eq!(pixels(&s, "e/right-pass-0.png").len(), 3 * 48 * 50);
+    let work = rows(&s.read("e/work.csv"));
+    let of = |eye: &str, pass: &str| {
+        let mut found = work.iter();
+        let row = found.find(|r| r["eye"] == eye && r["image"] == "frame" && r["pass"] == pass);
+        row.expect("a row").clone()
+    };
+    let vertices = |row| number(&row, "vertices");
+    assert!(vertices(of("both", "shared")) > 0.0);
+    assert_eq!(vertices(of("both", "all")), vertices(of("both", "shared")));
+    let again = words.replace("--out e", "--skip occluded --out f");
+    s.ok(&again.split(' ').collect::<Vec<_>>());
+    assert!(pixels(&s, "f/left.png") == left && pixels(&s, "f/right.png") == right);
+}

@@ -97,7 +97,15 @@ fn what_cannot_be_reproduced_is_said() {
 #[test]
 fn meng_2020() {
     let scratch = Scratch::new();
-    let csv = scratch.ok(&["reproduce", "meng2020", "--format", "csv", "--out", "m"]);
+    let csv = scratch.ok(&[
+        "reproduce",
+        "meng2020",
+        "--quick",
+        "--format",
+        "csv",
+        "--out",
+        "m",
+    ]);
     let caption = rows(&csv);
     assert!((number(&caption[1], "mean_of_rows") - 1.276_173_763).abs() < 1e-8);
     assert_eq!(caption[1]["caption_possible"], "no");
@@ -107,4 +115,13 @@ fn meng_2020() {
             .read("m/report.html")
             .contains("Fig. 7 against its caption")
     );
+    let times = rows(&scratch.read("m/times.csv"));
+    assert_eq!(times[0]["method"], "full");
+    assert!(times.iter().any(|r| r["method"] == "efr:2:3:published"));
+    assert!(
+        rows(&scratch.read("m/errors.csv"))
+            .iter()
+            .any(|r| r["label"] == "lens-matched")
+    );
+    assert!(scratch.read("m/errors.svg").contains("even grid"));
 }

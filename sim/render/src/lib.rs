@@ -46,6 +46,7 @@
 //! [`Map`]: foveasim_models::Map
 
 mod bvh;
+mod check;
 mod error;
 mod feather;
 mod fragments;

@@ -1,6 +1,7 @@
 use foveasim_assets::Scene;
 use foveasim_models::{Eye, Image, Pose, SamplePlan, View, Work};
 
+use crate::check::check;
 use crate::passes::{Drawn, draw_objects, objects_of};
 use crate::project::Optics;
 use crate::raster::ViewGeometry;
@@ -58,7 +59,7 @@ pub fn render_stereo(
         });
     }
     for (view, plan) in views.into_iter().zip(plans) {
-        frame::check(view, plan, options)?;
+        check(view, plan, options)?;
     }
     let passes = plans.map(|plan| plan.passes.len());
     let kinds = plans.map(|plan| {

@@ -3,7 +3,7 @@ use foveasim_models::LogPolar;
 
 use super::Kernel;
 use super::lanes::Simd;
-use super::transcendental::{exp2, log2, turns};
+use super::transcendental::{log2, times_exp2, turns};
 use super::wide::{F, WIDTH, max, min, piece, splat};
 
 /// The inverse of a log-polar map in single precision.
@@ -66,8 +66,8 @@ impl Kernel for LocateRow<'_> {
                     // Within one pixel of the gaze r counts as 1.
                     let share = log2(max(square, one)) * i.per_log2;
                     let some = share.simd_gt(0.0);
-                    let power = exp2(log2(some.select(share, one)) * i.inverse_alpha);
-                    some.select(power * i.samples[0], zero)
+                    let power = log2(some.select(share, one)) * i.inverse_alpha;
+                    some.select(times_exp2(splat(simd, i.samples[0]), power), zero)
                 },
             );
             let y = piece(

@@ -28,12 +28,13 @@ pub(super) fn log2<S: Simd>(x: F<S>) -> F<S> {
     )
 }
 
-/// 2ˣ for x from −126 to 126 (others are taken there), within 3·10⁻⁷ of it, relatively.
+/// a·2ˣ for x from −126 to 126 (others are taken there), within 1.5·10⁻⁷ of it, relatively, and half as much where
+/// x is near 0.
 ///
 /// 2ˣ = 2ⁿ·e^(f·ln 2) with |f| ≤ ½; the exponential series is cut after the seventh power: what is left out
-/// is below 10⁻⁸.
+/// is below 10⁻⁸. Its 1 is added last, as a·2ⁿ, which is exact: what rounding does to the rest counts less.
 #[inline(always)]
-pub(super) fn exp2<S: Simd>(x: F<S>) -> F<S> {
+pub(super) fn times_exp2<S: Simd>(a: F<S>, x: F<S>) -> F<S> {
     let simd = x.simd;
     piece(
         simd,
@@ -43,9 +44,10 @@ pub(super) fn exp2<S: Simd>(x: F<S>) -> F<S> {
             let whole = (x + 0.5).floor();
             let f = (x - whole) * std::f32::consts::LN_2;
             let tail = f * (f * (f * (1.0 / 5040.0) + 1.0 / 720.0) + 1.0 / 120.0) + 1.0 / 24.0;
-            let power = f * (f * (f * (f * tail + 1.0 / 6.0) + 0.5) + 1.0) + 1.0;
+            let beyond_one = f * (f * (f * (f * tail + 1.0 / 6.0) + 0.5) + 1.0);
             let scale: F<S> = ((whole.to_int::<I<S>>() + 127) << 23).bitcast();
-            power * scale
+            let scaled = a * scale;
+            scaled + scaled * beyond_one
         },
     )
 }
@@ -113,7 +115,7 @@ mod tests {
             let (x, y) = (F::from_slice(simd, &self.0), F::from_slice(simd, &self.1));
             [
                 log2(x.abs()).to_array(),
-                exp2(x).to_array(),
+                times_exp2(splat(simd, 1.0), x).to_array(),
                 turns(x, y).to_array(),
             ]
         }
@@ -146,7 +148,7 @@ mod tests {
                 }
                 if px.abs() <= 126.0 {
                     let error = (f64::from(powers[k]) / px.exp2() - 1.0).abs();
-                    worst[1] = worst[1].max(error / 3e-7);
+                    worst[1] = worst[1].max(error / 1.5e-7);
                 }
                 let exact = py.atan2(px) / std::f64::consts::TAU;
                 let difference = f64::from(angles[k]) - exact;

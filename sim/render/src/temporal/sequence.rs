@@ -7,9 +7,10 @@ use glam::{DVec2, UVec2};
 use super::history::{History, Past, Placed, Spare};
 use super::reproject::reproject;
 use super::{TemporalOptions, jitter};
+use crate::check::check;
 use crate::pass::PassSamples;
 use crate::passes::draw_passes;
-use crate::{Frame, RenderError, RenderOptions, frame, resolve};
+use crate::{Frame, RenderError, RenderOptions, resolve};
 
 /// Draws frames that follow one another, and keeps of each pass what the next frame can use.
 ///
@@ -114,7 +115,7 @@ impl Sequence {
                 pass.offset = jitter(self.draws_before(pass, frame));
             }
         }
-        frame::check(view, &plan, options)?;
+        check(view, &plan, options)?;
         self.check_maps(&plan)?;
         let placed = Arc::new(Placed::of(scene));
         let previous = self.previous.take();

@@ -80,10 +80,7 @@ const WAYS: [(&str, Way); 10] = [
     ("full", Way::Method("full")),
     ("layers", Way::Method("layers:3")),
     ("kernel, α = 4", Way::kernel(4.0, false)),
-    (
-        "kernel, α = 4, mean of a pixel's samples",
-        Way::kernel(4.0, true),
-    ),
+    ("kernel, α = 4, averaged", Way::kernel(4.0, true)),
     ("kernel, α = 1", Way::kernel(1.0, false)),
     ("kernel, α = ¼", Way::kernel(0.25, false)),
     (
@@ -303,7 +300,7 @@ impl KernelErrors {
                 .collect(),
         };
         LineChart {
-            title: "Error by eccentricity, at equal numbers of shaded samples".into(),
+            title: "Error by eccentricity at equal shading".into(),
             x_label: "eccentricity, middle of the ring [deg]".into(),
             y_label: "PSNR of luma [dB]".into(),
             series: rows.iter().map(line).collect(),

@@ -48,7 +48,7 @@ fn kernels() {
     kernel(&["--gaze", "middle"], &["centre, any", "middle"]);
     kernel(&["--margin-deg", "-1"], &["--margin-deg -1", "0 to 90"]);
     kernel(&["--slope", "nan"], &["slope"]);
-    kernel(&["--method", "vsr"], &["did you mean `vrs`?"]);
+    kernel(&["--method", "vsr"], &["unknown method `vsr`", "vrs"]);
     refused(
         &s,
         &["reproduce", "meng2020", "--antialiasing-frames", "3"],

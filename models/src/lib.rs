@@ -48,8 +48,8 @@ pub use acuity::{Acuity, OMEGA_0_DEG, QUALITY_INDEX_DEG, SLOPE_A, SLOPE_B};
 pub use color::{Image, linear_from_srgb, srgb8_from_linear};
 pub use cost::{CostProfile, DrawnCost, FixedCost, FrameCost, FrameInput, MeasuredCost};
 pub use display::{
-    Display, DisplaySpec, Emission, EyeOrder, EyePanel, Geometry, HmdSpec, LightAt, PixelDensity,
-    PixelResponse, PlanarSpec, ScanClock, ScanDirection, ScanSpec,
+    Display, DisplaySpec, Emission, EyeOrder, EyePanel, Geometry, HmdSpec, Lens, LensSpec, LightAt,
+    PixelDensity, PixelResponse, PlanarSpec, ScanClock, ScanDirection, ScanSkew, ScanSpec,
 };
 pub use durations::Durations;
 pub use error::{ModelError, closest, toml_error, unknown_name};
@@ -57,9 +57,9 @@ pub use gaze::{GazeDirection, GazeMode};
 pub use geometry::{Pose, Rect, exp_so3, log_so3};
 pub use outline::{OutlineSketch, SeriesOutline};
 pub use plan::{
-    Affine, Cadence, CellMask, Feather, Filter, Interpolation, Lattice, LensMatched, LogPolar, Map,
-    Msaa, Pass, PassCount, PlanCount, Region, Resolve, SamplePlan, Shading, ShadingRate, Spacing,
-    Spans, TileRates, Visibility,
+    Affine, Cadence, CellMask, Falloff, FalloffTable, Feather, Filter, Interpolation, Lattice,
+    LensMatched, LogPolar, Map, Msaa, Pass, PassCount, PlanCount, Radial, Reach, Region, Resolve,
+    SamplePlan, Shading, ShadingRate, Spacing, Spans, TileRates, Visibility,
 };
 pub use predict::{HeadPredictor, HeadTracker, KalmanNoise, Motion, Twist};
 pub use rng::{Role, Stream};

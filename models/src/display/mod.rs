@@ -1,7 +1,9 @@
 mod hmd;
+mod lens;
 mod planar;
 mod scan;
 mod scan_spec;
+mod skew;
 
 use std::collections::BTreeMap;
 
@@ -9,9 +11,11 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 pub use hmd::HmdSpec;
+pub use lens::{Lens, LensSpec};
 pub use planar::PlanarSpec;
 pub use scan::{Emission, PixelResponse, ScanClock, ScanDirection};
 pub use scan_spec::{EyeOrder, LightAt, ScanSpec};
+pub use skew::ScanSkew;
 
 use crate::presets::Source;
 use crate::{Eye, GazeDirection, ModelError, Pose, View, Viewport};

@@ -1,11 +1,15 @@
 use glam::{DMat2, DVec2, UVec2};
 
-use super::{LensMatched, LogPolar};
+use super::{LensMatched, LogPolar, Radial};
 use crate::Rect;
 
 /// From lattice to display pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
+#[expect(
+    clippy::large_enum_variant,
+    reason = "a plan has few maps, and they are plain data that can be copied"
+)]
 pub enum Map {
     /// Scale and shift.
     Affine(Affine),
@@ -13,6 +17,8 @@ pub enum Map {
     LogPolar(LogPolar),
     /// Four quadrants whose w grows outwards.
     LensMatched(LensMatched),
+    /// A buffer that magnifies the fovea.
+    Radial(Radial),
 }
 
 /// display = origin + scale · lattice, per axis.
@@ -41,6 +47,7 @@ impl Map {
             Self::Affine(map) => map.display_from_lattice(p),
             Self::LogPolar(map) => map.display_from_lattice(p),
             Self::LensMatched(map) => map.display_from_lattice(p),
+            Self::Radial(map) => map.display_from_lattice(p),
         }
     }
 
@@ -50,6 +57,7 @@ impl Map {
             Self::Affine(map) => map.lattice_from_display(p),
             Self::LogPolar(map) => map.lattice_from_display(p),
             Self::LensMatched(map) => map.lattice_from_display(p),
+            Self::Radial(map) => map.lattice_from_display(p),
         }
     }
 
@@ -60,6 +68,7 @@ impl Map {
             Self::Affine(map) => DMat2::from_diagonal(map.scale),
             Self::LogPolar(map) => map.steps(p),
             Self::LensMatched(map) => map.steps(p),
+            Self::Radial(map) => map.steps(p),
         }
     }
 

@@ -1,23 +1,27 @@
 //! [`SamplePlan`] and its parts.
 
 mod count;
+mod falloff;
 mod lattice;
 mod lens_matched;
 mod log_polar;
 mod map;
 mod on_display;
 mod pass;
+mod radial;
 mod region;
 mod resolve;
 mod shading;
 mod spans;
 
 pub use count::{PassCount, PlanCount};
+pub use falloff::{Falloff, FalloffTable};
 pub use lattice::Lattice;
 pub use lens_matched::LensMatched;
 pub use log_polar::LogPolar;
 pub use map::{Affine, Map, Spacing};
 pub use pass::{Cadence, Msaa, Pass, Visibility};
+pub use radial::{Radial, Reach};
 pub use region::{CellMask, Region};
 pub use resolve::{Feather, Filter, Interpolation, Resolve};
 pub use shading::{Shading, ShadingRate, TileRates};

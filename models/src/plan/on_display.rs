@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use glam::{DVec2, UVec2};
 
-use super::{LensMatched, LogPolar, Map, Region, Spans};
+use super::{LensMatched, LogPolar, Map, Radial, Region, Spans};
 use crate::math::{cos, hypot, sin};
 
 /// Cells that share less than this of a lattice step with the display only touch it. It is far above
@@ -24,6 +24,9 @@ impl Region {
             Map::LensMatched(map) => {
                 Self::Spans(Spans::new(lattice, |y| warped_span(map, display, y)))
             }
+            Map::Radial(map) => Self::Spans(Spans::new(lattice, |y| {
+                magnified_span(map, lattice, display, y)
+            })),
         }
     }
 }
@@ -135,11 +138,48 @@ fn warped_span(map: &LensMatched, display: UVec2, y: u32) -> Range<u32> {
     first as u32..end as u32
 }
 
+/// Columns of row `y` of a magnifying buffer. Display x and y grow in size with those of the lattice, both
+/// counted from the gaze, since a step around never shortens outwards. So of a cell the place nearest the gaze is the
+/// first to be on the display, and in a row nothing follows a cell that is off it.
+fn magnified_span(map: &Radial, lattice: UVec2, display: UVec2, y: u32) -> Range<u32> {
+    let (gaze, size) = (map.gaze_px() * map.scale(), display.as_dvec2());
+    let nearest = |cell: u32, gaze: f64| {
+        let first = f64::from(cell);
+        gaze.clamp(first + TOUCH, first + 1.0 - TOUCH)
+    };
+    let row = nearest(y, gaze.y);
+    let is_live = |x: u32| {
+        let p = map.display_from_lattice(DVec2::new(nearest(x, gaze.x), row));
+        p.cmpgt(DVec2::ZERO).all() && p.cmplt(size).all()
+    };
+    let own = (gaze.x as u32).min(lattice.x - 1);
+    if !is_live(own) {
+        return 0..0;
+    }
+    let first = partition(0, own, |x| !is_live(x));
+    let end = partition(own, lattice.x, is_live);
+    first..end
+}
+
+/// The first of `from..to` that does not have a property which a first part of them has.
+fn partition(mut from: u32, mut to: u32, has: impl Fn(u32) -> bool) -> u32 {
+    while from < to {
+        let middle = from + (to - from) / 2;
+        if has(middle) {
+            from = middle + 1;
+        } else {
+            to = middle;
+        }
+    }
+    from
+}
+
 #[cfg(test)]
 mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::{Falloff, FalloffTable, Reach};
 
     /// Whether some of 30 × 30 places in a sample's cell lie on the display.
     fn has_display(map: &Map, sample: UVec2, display: UVec2) -> bool {
@@ -208,6 +248,32 @@ mod tests {
             let lattice = (centre + steps(size - gaze)).as_uvec2();
             let map = LensMatched::new(gaze, centre, growth).unwrap();
             check(&Map::LensMatched(map), lattice, display)?;
+        }
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(40))]
+
+        #[test]
+        fn magnified_on_the_display(
+            w in 1u32..40, h in 1u32..40, gx in -0.1f64..1.1, gy in -0.1f64..1.1, k in 1.0f64..4.0,
+            scale in 0.2f64..1.5, boundary: bool, table: bool,
+        ) {
+            let display = UVec2::new(w, h);
+            let gaze = (DVec2::new(gx, gy)).clamp(DVec2::ZERO, DVec2::ONE) * display.as_dvec2();
+            let points = [[0.0, 0.0], [0.4, 0.1], [0.8, 0.6], [1.0, 1.0]];
+            let falloff = match table {
+                true => Falloff::Table(FalloffTable::new(&points).unwrap()),
+                false => Falloff::Power(k),
+            };
+            let reach = if boundary { Reach::Boundary } else { Reach::Corner };
+            let map = Radial::new(gaze, display, falloff, reach, scale).unwrap();
+            let region = Region::on_display(&Map::Radial(map), map.lattice(), display);
+            if boundary {
+                let all = u64::from(map.lattice().element_product());
+                prop_assert_eq!(match &region { Region::Spans(s) => s.samples(), _ => 0 }, all);
+            }
+            check(&Map::Radial(map), map.lattice(), display)?;
         }
     }
 

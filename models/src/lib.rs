@@ -37,6 +37,7 @@ mod outline;
 mod plan;
 mod predict;
 pub mod presets;
+pub mod raster;
 mod rng;
 mod series;
 mod tracker;

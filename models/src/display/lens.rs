@@ -301,7 +301,7 @@ mod tests {
     fn a_lens_that_folds_is_refused() {
         let error = lens(-0.35, 0.0).unwrap_err().to_string();
         assert!(
-            error.contains("grows to the farthest corner, r = 1.3"),
+            error.contains("grows to the farthest corner, r = 1.6"),
             "{error}"
         );
         assert!(lens(f64::NAN, 0.0).is_err() && lens(0.0, f64::INFINITY).is_err());

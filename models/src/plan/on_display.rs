@@ -142,15 +142,21 @@ fn warped_span(map: &LensMatched, display: UVec2, y: u32) -> Range<u32> {
 /// counted from the gaze, since a step around never shortens outwards. So of a cell the place nearest the gaze is the
 /// first to be on the display, and in a row nothing follows a cell that is off it.
 fn magnified_span(map: &Radial, lattice: UVec2, display: UVec2, y: u32) -> Range<u32> {
-    let (gaze, size) = (map.gaze_px() * map.scale(), display.as_dvec2());
+    let (gaze, size) = (map.gaze(), display.as_dvec2());
     let nearest = |cell: u32, gaze: f64| {
         let first = f64::from(cell);
         gaze.clamp(first + TOUCH, first + 1.0 - TOUCH)
     };
     let row = nearest(y, gaze.y);
     let is_live = |x: u32| {
-        let p = map.display_from_lattice(DVec2::new(nearest(x, gaze.x), row));
-        p.cmpgt(DVec2::ZERO).all() && p.cmplt(size).all()
+        let at = DVec2::new(nearest(x, gaze.x), row);
+        let p = map.display_from_lattice(at);
+        // Only an edge ahead can be passed; one at the gaze itself a magnified touch may round to.
+        let within = |axis: usize| match at[axis] > gaze[axis] {
+            true => p[axis] < size[axis],
+            false => p[axis] > 0.0,
+        };
+        within(0) && within(1)
     };
     let own = (gaze.x as u32).min(lattice.x - 1);
     if !is_live(own) {

@@ -5,8 +5,8 @@ use crate::ModelError;
 use crate::error::{above, in_range};
 use crate::math::hypot;
 
-/// A buffer that magnifies the fovea (Friston 2019, §3.1.1): with b the position in the buffer in display
-/// pixels (lattice over buffer scale), a = b − gaze, and s the length of a as a share of the reach,
+/// A buffer that magnifies the fovea (Friston 2019, §3.1.1): with b = origin + lattice/scale the position in
+/// the buffer in display pixels, a = b − gaze, and s the length of a as a share of the reach,
 ///
 /// display = gaze + a·p(s)/s.
 ///
@@ -25,6 +25,10 @@ pub struct Radial {
     reach: Reach,
     /// The reach in pixels of all directions, but for the boundary.
     radius: f64,
+    /// Buffer position of lattice position 0, 0.
+    origin: DVec2,
+    /// Size of the buffer that holds the whole display.
+    buffer_px: DVec2,
     scale: f64,
 }
 
@@ -32,10 +36,12 @@ pub struct Radial {
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Reach {
-    /// To the farthest corner (the paper): what of the buffer is mapped beyond the display is never
-    /// shaded.
+    /// To the farthest corner (the paper). The display's nearer edges then bulge out of a buffer of its size, to
+    /// 1.19 of it for k = 2 and a gaze in the middle of a square, so the buffer is larger (the paper cuts them off);
+    /// what of its corners is mapped beyond the display is never shaded.
     Corner,
-    /// To the display's boundary in each direction: the whole buffer is on the display.
+    /// To the display's boundary in each direction: the whole buffer, as large as the display, is on the
+    /// display.
     Boundary,
     /// A distance in pixels.
     Px(f64),
@@ -72,14 +78,28 @@ impl Radial {
                 hypot(farthest.x, farthest.y).max(LEAST_REACH_PX)
             }
         };
-        Ok(Self {
+        let mut map = Self {
             gaze_px,
             display_px: size,
-            falloff,
+            // Straight lines of slope 1 would be exact but for rounding.
+            falloff: match falloff.is_identity() {
+                true => Falloff::Power(1.0),
+                false => falloff,
+            },
             reach,
             radius,
+            origin: DVec2::ZERO,
+            buffer_px: size,
             scale,
-        })
+        };
+        // Of each edge the place nearest the gaze is farthest out in the buffer.
+        let [before, after] = [-gaze_px, size - gaze_px].map(|edge| {
+            let out = |axis: DVec2| map.buffer_from_display(gaze_px + axis * edge) - gaze_px;
+            DVec2::new(out(DVec2::X).x, out(DVec2::Y).y)
+        });
+        map.origin = gaze_px + before;
+        map.buffer_px = after - before;
+        Ok(map)
     }
 
     /// The display position about which it is laid.
@@ -102,10 +122,15 @@ impl Radial {
         self.scale
     }
 
-    /// The lattice that holds the whole buffer of a display.
+    /// The lattice position of the gaze.
+    pub fn gaze(&self) -> DVec2 {
+        self.unmagnified(self.gaze_px)
+    }
+
+    /// The lattice that holds the whole display.
     pub fn lattice(&self) -> UVec2 {
         // A touch of a further step is no step.
-        (self.display_px * self.scale - 1e-9)
+        (self.buffer_px * self.scale - 1e-9)
             .ceil()
             .max(DVec2::ONE)
             .as_uvec2()
@@ -114,14 +139,14 @@ impl Radial {
     /// The same map if it is a plain one, so that it costs no more than a plain one.
     pub fn as_affine(&self) -> Option<Affine> {
         self.falloff.is_identity().then(|| Affine {
-            origin: DVec2::ZERO,
+            origin: self.origin,
             scale: DVec2::splat(1.0 / self.scale),
         })
     }
 
     /// Lattice position to display pixels.
     pub fn display_from_lattice(&self, p: DVec2) -> DVec2 {
-        let b = p / self.scale;
+        let b = self.origin + p / self.scale;
         let away = b - self.gaze_px;
         match self.share(away) {
             // Added to b, nothing is to the bit nothing.
@@ -132,17 +157,25 @@ impl Radial {
 
     /// Display pixels to lattice position.
     pub fn lattice_from_display(&self, p: DVec2) -> DVec2 {
+        self.unmagnified(self.buffer_from_display(p))
+    }
+
+    /// The lattice position of a display position if nothing were magnified.
+    pub fn unmagnified(&self, p: DVec2) -> DVec2 {
+        (p - self.origin) * self.scale
+    }
+
+    fn buffer_from_display(&self, p: DVec2) -> DVec2 {
         let away = p - self.gaze_px;
-        let b = match self.share(away) {
+        match self.share(away) {
             Some(s) if s > 0.0 => p + away * (self.falloff.inverse_ratio(s) - 1.0),
             _ => p,
-        };
-        b * self.scale
+        }
     }
 
     /// Display pixels per lattice step (see [`Map::steps`](super::Map::steps)).
     pub fn steps(&self, p: DVec2) -> DMat2 {
-        let away = p / self.scale - self.gaze_px;
+        let away = self.origin + p / self.scale - self.gaze_px;
         let plain = DMat2::from_diagonal(DVec2::splat(1.0 / self.scale));
         let Some(s) = self.share(away) else {
             return plain;
@@ -242,7 +275,7 @@ mod tests {
         ) {
             let map = map(gx, gy, k, reach(which), scale);
             let (p, h) = (DVec2::new(x, y) * scale, 1e-3);
-            let away = p / scale - map.gaze_px();
+            let away = map.origin + p / scale - map.gaze_px();
             let [sx, sy] = map.shares_of_boundary(away);
             // Where the boundary has a corner, the map has a crease.
             prop_assume!(which != 1 || ((sx - sy).abs() > 1e-2 && sx.max(sy) < 1.0));

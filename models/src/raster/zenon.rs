@@ -97,17 +97,18 @@ impl Zenon {
         }
     }
 
-    /// The paper's Eq. 1 as printed, for comparison:
+    /// The paper's Eq. 1, for comparison: with + before the root, as printed, and with −,
     ///
-    /// t = (√(−4·xs·ẇ + ẋs² − 2·ẋs·w + w²) − ẋs + w)/(2·ẇ).
+    /// t = (±√(−4·xs·ẇ + ẋs² − 2·ẋs·w + w²) − ẋs + w)/(2·ẇ).
     ///
-    /// It is the solution for a scan at 0 + 1·t with the point's position and speed written as xs and ẋs, and
-    /// with ẇ of the opposite sign; even so read (as here) it is 0/0 for a point whose w does not change, and
-    /// loses all digits near there (oracle s4: a relative error of 1 in f64 for small ẇ). NaN where it has no value.
-    pub fn catch_as_printed(&self) -> f64 {
+    /// That solves the case of a scan at 0 + 1·t, with the point's position and speed written as xs and ẋs, and
+    /// with ẇ of the opposite sign; it is read so here. Even so the printed + gives the root that runs off to
+    /// infinity for a point whose w hardly changes, and the − is then 0/0, or has lost all digits (oracle s4: a
+    /// relative error of 1 in f64). NaN where there is no value.
+    pub fn roots_as_printed(&self) -> [f64; 2] {
         let ([x, x_dot], [w, w_dot]) = (self.point, [self.w[0], -self.w[1]]);
-        let root = -4.0 * x * w_dot + x_dot * x_dot - 2.0 * x_dot * w + w * w;
-        (sqrt(root) - x_dot + w) / (2.0 * w_dot)
+        let root = sqrt(-4.0 * x * w_dot + x_dot * x_dot - 2.0 * x_dot * w + w * w);
+        [root, -root].map(|root| (root - x_dot + w) / (2.0 * w_dot))
     }
 
     /// Whether the printed equation is meant for this scan: one at 0 + 1·t.
@@ -158,7 +159,8 @@ mod tests {
     fn a_still_point_is_met_where_it_is() {
         let zenon = Zenon::new([0.0, 1.0], [0.9, 0.0], [3.0, 0.0]);
         assert_eq!(zenon.catches(), Catches::Once(0.9 / 3.0));
-        assert!(zenon.catch_as_printed().is_nan());
+        let printed = zenon.roots_as_printed();
+        assert!(printed[0].is_infinite() && printed[1].is_nan());
     }
 
     #[test]
@@ -177,8 +179,14 @@ mod tests {
             Catches::Once(0.5)
         );
         // Behind the eye all along, and from t = ½ on.
-        assert_eq!(catches([0.0, 1.0], [-0.2, 0.0], [-1.0, 0.0]), Catches::Never);
-        assert_eq!(catches([0.0, 1.0], [-0.2, 0.0], [1.0, -2.0]), Catches::Never);
+        assert_eq!(
+            catches([0.0, 1.0], [-0.2, 0.0], [-1.0, 0.0]),
+            Catches::Never
+        );
+        assert_eq!(
+            catches([0.0, 1.0], [-0.2, 0.0], [1.0, -2.0]),
+            Catches::Never
+        );
         for bad in [f64::NAN, f64::INFINITY] {
             assert_eq!(catches([0.0, 1.0], [bad, 0.0], [1.0, 0.1]), Catches::Never);
         }

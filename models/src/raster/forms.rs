@@ -1,0 +1,182 @@
+use glam::DVec3;
+
+use super::{MovingTriangle, Real};
+
+/// A moving triangle as functions of where (u, v) and when (t) a sample looks, d = (u, v, 1):
+///
+/// * eᵢ = d·Nᵢ(t) for its three edges, Nᵢ(t) = Pⱼ(t) × Pₖ(t) = N₀ + N₁·t + N₂·t², with P the corners in
+///   homogeneous pixels;
+/// * D(t) = P₀·(P₁ × P₂), of third degree.
+///
+/// A ray d·λ meets the plane of the triangle at Σ eᵢ·Pᵢ/D, so where all eᵢ have the sign of D it meets the
+/// triangle, in front of the eye: λ = D/Σ eᵢ > 0. Nothing is clipped or divided, and corners may lie behind
+/// the eye.
+///
+/// All are divided by powers of two so that the largest coefficient is between ½ and 1: that changes no sign and is
+/// exact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Forms<T> {
+    /// By edge, power of t, and component.
+    pub(super) edges: [[[T; 3]; 3]; 3],
+    /// By power of t.
+    pub(super) volume: [T; 4],
+    facing: Facing,
+}
+
+/// Which side of a triangle can be seen. The front is where its corners turn counterclockwise as the
+/// viewer sees them: display y runs down, so there D < 0.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Facing {
+    /// Both.
+    #[default]
+    Both,
+    /// The front alone.
+    Front,
+}
+
+impl<T: Real> Forms<T> {
+    /// Of a triangle; `None` if it has no extent at any time, or is not finite.
+    ///
+    /// The coefficients are rounded once, and what they are rounded to is what is drawn, so bounds need not
+    /// allow for it. An edge that two triangles share has the same coefficients in both, but for the sign
+    /// and a power of two.
+    pub fn new(triangle: &MovingTriangle, facing: Facing) -> Option<Self> {
+        let corners = triangle.0.map(|p| [p.start, p.end - p.start]);
+        let edges = [0, 1, 2].map(|i| edge(corners[(i + 1) % 3], corners[(i + 2) % 3]));
+        let [p, p_dot] = corners[0];
+        let [n0, n1, n2] = edges[0];
+        let volume = [
+            p.dot(n0),
+            p.dot(n1) + p_dot.dot(n0),
+            p.dot(n2) + p_dot.dot(n1),
+            p_dot.dot(n2),
+        ];
+        let edges = edges.map(|edge| edge.map(|n| n.to_array()));
+        let edge_scale = scale(edges.as_flattened().as_flattened())?;
+        let volume_scale = scale(&volume)?;
+        Some(Self {
+            edges: edges.map(|edge| edge.map(|n| n.map(|x| T::nearest(x * edge_scale)))),
+            volume: volume.map(|x| T::nearest(x * volume_scale)),
+            facing,
+        })
+    }
+
+    /// Which sides can be seen.
+    pub fn facing(&self) -> Facing {
+        self.facing
+    }
+
+    /// e of edge `i` (opposite corner `i`) at a sample.
+    ///
+    /// # Panics
+    /// If there is no such edge.
+    pub fn edge(&self, i: usize, [u, v, t]: [T; 3]) -> T {
+        let n = self.edges[i];
+        let at = |c: usize| (n[2][c] * t + n[1][c]) * t + n[0][c];
+        u * at(0) + v * at(1) + at(2)
+    }
+
+    /// D at a time.
+    pub fn volume(&self, t: T) -> T {
+        let [d0, d1, d2, d3] = self.volume;
+        ((d3 * t + d2) * t + d1) * t + d0
+    }
+
+    /// Whether the triangle covers a sample (u, v, t). A sample on an edge is covered by both sides.
+    pub fn covers(&self, sample: [T; 3]) -> bool {
+        let e = [0, 1, 2].map(|i| self.edge(i, sample));
+        let (volume, zero) = (self.volume(sample[2]), T::zero());
+        let front = volume < zero && e.iter().all(|e| *e <= zero);
+        let back = volume > zero && e.iter().all(|e| *e >= zero);
+        front || (back && self.facing == Facing::Both)
+    }
+}
+
+/// The cross product of two moving points, by power of t. Which of the two comes first changes nothing but
+/// the sign, and that exactly: products commute, and rounding is symmetric.
+fn edge([a, a_dot]: [DVec3; 2], [b, b_dot]: [DVec3; 2]) -> [DVec3; 3] {
+    [
+        a.cross(b),
+        a.cross(b_dot) + a_dot.cross(b),
+        a_dot.cross(b_dot),
+    ]
+}
+
+/// The power of two that brings the largest size between ½ and 1.
+fn scale(values: &[f64]) -> Option<f64> {
+    let largest = values.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
+    // Also not finite where a part is: max passes NaN over, so ask all.
+    let finite = values.iter().all(|v| v.is_finite());
+    if !finite || largest == 0.0 {
+        return None;
+    }
+    let (_, exponent) = libm::frexp(largest);
+    // Farther off than this, the scale itself would not be a normal number.
+    (exponent.abs() <= 1000).then(|| libm::ldexp(1.0, -exponent))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::MovingPoint;
+    use super::*;
+
+    fn triangle(points: [[f64; 3]; 3]) -> MovingTriangle {
+        let at = points.map(DVec3::from);
+        MovingTriangle::new(at, at)
+    }
+
+    #[test]
+    fn covers_what_is_within_and_in_front() {
+        let front = triangle([[0.0, 0.0, 1.0], [0.0, 20.0, 2.0], [10.0, 0.0, 1.0]]);
+        let mut turned = front;
+        turned.0.swap(1, 2);
+        for (triangle, seen) in [(front, true), (turned, false)] {
+            let both = Forms::<f64>::new(&triangle, Facing::Both).unwrap();
+            let one = Forms::<f64>::new(&triangle, Facing::Front).unwrap();
+            for (u, v, inside) in [(2.0, 2.0, true), (9.0, 9.0, false), (-1.0, 2.0, false)] {
+                assert_eq!(both.covers([u, v, 0.0]), inside);
+                assert_eq!(one.covers([u, v, 0.0]), inside && seen);
+            }
+        }
+        let behind = MovingTriangle(front.0.map(|p| MovingPoint {
+            start: -p.start,
+            end: -p.end,
+        }));
+        assert!(
+            !Forms::<f64>::new(&behind, Facing::Both)
+                .unwrap()
+                .covers([2.0, 2.0, 0.0])
+        );
+    }
+
+    /// Two triangles with an edge in common leave no sample out and share none but those on the edge.
+    #[test]
+    fn shared_edges_agree_to_the_bit() {
+        let p = [
+            [3.1, 4.7, 1.3],
+            [90.3, 11.9, 1.7],
+            [55.5, 80.1, 0.9],
+            [-7.0, 66.0, 2.1],
+        ];
+        let q = p.map(|[x, y, w]| DVec3::new(x + 3.3 * w, y - 7.7, w * 1.07));
+        let p = p.map(DVec3::from);
+        let make = |i: [usize; 3]| MovingTriangle::new(i.map(|i| p[i]), i.map(|i| q[i]));
+        let a = edge_of(&make([0, 1, 2]), 1);
+        let b = edge_of(&make([0, 2, 3]), 2);
+        assert_eq!(a, b.map(|n| -n));
+        fn edge_of(t: &MovingTriangle, i: usize) -> [DVec3; 3] {
+            let c = t.0.map(|p| [p.start, p.end - p.start]);
+            edge(c[(i + 1) % 3], c[(i + 2) % 3])
+        }
+    }
+
+    #[test]
+    fn nothing_and_not_finite() {
+        let point = triangle([[1.0, 2.0, 1.0]; 3]);
+        assert_eq!(Forms::<f32>::new(&point, Facing::Both), None);
+        for bad in [f64::NAN, f64::INFINITY, f64::MAX] {
+            let t = triangle([[bad, 0.0, 1.0], [0.0, 9.0, 1.0], [9.0, 0.0, 1.0]]);
+            assert_eq!(Forms::<f32>::new(&t, Facing::Both), None, "{bad}");
+        }
+    }
+}

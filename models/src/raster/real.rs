@@ -38,8 +38,8 @@ pub trait Real:
 
 impl Real for f32 {
     const ROUNDOFF: f64 = f32::EPSILON as f64 / 2.0;
-    // 2⁻¹⁰⁰; see docs/bounds.md, step 7.
-    const UNDERFLOW: f64 = 7.888_609_052_210_118e-31;
+    // 2⁻⁸⁰; see docs/bounds.md, step 8.
+    const UNDERFLOW: f64 = 8.271_806_125_530_277e-25;
 
     fn nearest(x: f64) -> Self {
         x as f32

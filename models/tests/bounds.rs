@@ -2,6 +2,8 @@
 //!
 //! `FOVEASIM_THOROUGH=1` takes a million triangles instead of a hundred thousand.
 
+#![expect(clippy::print_stdout, reason = "the numbers are asked for")]
+
 use foveasim_models::raster::{
     Comparison, Facing, Forms, MovingTriangle, Nodes, Real, SampleTable, Sampling, compare,
 };

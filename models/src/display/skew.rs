@@ -20,8 +20,8 @@ impl ScanSkew {
     /// # Errors
     /// If the sizes of both parts are not finite and together at most 1.
     pub fn new(direction: DVec2) -> Result<Self, ModelError> {
-        // Written so that NaN fails.
-        if !(direction.x.abs() + direction.y.abs() <= 1.0) {
+        let reach = direction.x.abs() + direction.y.abs();
+        if reach.is_nan() || reach > 1.0 {
             let valid = "parts whose sizes sum to at most 1, so that times are from 0 to 1";
             return Err(ModelError::range("scan direction", direction, valid));
         }

@@ -36,6 +36,26 @@ struct Range<T> {
     high: T,
 }
 
+impl<T: Real> Range<T> {
+    fn is_positive(self) -> bool {
+        self.low > T::zero()
+    }
+
+    fn is_negative(self) -> bool {
+        self.high < T::zero()
+    }
+
+    /// Whether nothing in it is below 0.
+    fn is_never_negative(self) -> bool {
+        self.low >= T::zero()
+    }
+
+    /// Whether nothing in it is above 0.
+    fn is_never_positive(self) -> bool {
+        self.high <= T::zero()
+    }
+}
+
 impl<T: Real> Node<T> {
     /// Of the block of `size` samples each way from `first` on; `None` if none is live.
     pub fn of(table: &SampleTable<T>, first: UVec2, size: u32) -> Option<Self> {
@@ -124,20 +144,20 @@ impl<T: Real> Node<T> {
 
     /// The same side by side.
     pub(super) fn sides(&self, forms: &Forms<T>) -> Sides {
-        let zero = T::zero();
         let volume = self.volume(forms);
-        // Covered is where all three edges and the volume have one sign; NaN proves nothing.
+        // Covered is where all three edges and the volume have one sign. Only what a range shows leaves a
+        // side out; one with NaN shows nothing.
         let mut sides = Sides {
-            front: !(volume.low >= zero),
-            back: forms.facing() == Facing::Both && !(volume.high <= zero),
+            front: !volume.is_never_negative(),
+            back: forms.facing() == Facing::Both && !volume.is_never_positive(),
         };
         for i in 0..3 {
             if !(sides.front || sides.back) {
                 break;
             }
             let edge = self.edge(&forms.edges[i]);
-            sides.front &= !(edge.low > zero);
-            sides.back &= !(edge.high < zero);
+            sides.front &= !edge.is_positive();
+            sides.back &= !edge.is_negative();
         }
         sides
     }
@@ -189,9 +209,12 @@ impl<T: Real> Node<T> {
     }
 }
 
+/// A sample's place in its block, and u, v and t.
+type Placed = ([f64; 2], [f64; 3]);
+
 /// The slopes that meet the differences between the outermost samples along each axis; none where there are not
 /// two, or they lie in line.
-fn solve(ends: [[Option<([f64; 2], [f64; 3])>; 2]; 2]) -> [[f64; 3]; 2] {
+fn solve(ends: [[Option<Placed>; 2]; 2]) -> [[f64; 3]; 2] {
     let apart = ends.map(|ends| match ends {
         [Some((a, from)), Some((b, to))] => (
             [b[0] - a[0], b[1] - a[1]],

@@ -52,8 +52,7 @@ impl<T: Real> SampleTable<T> {
             _ => sampling.at(at),
         };
         let ray: DVec2 = looks.ray;
-        // Written so that NaN fails.
-        if !(ray.abs().max_element() <= FARTHEST_PX) {
+        if ray.is_nan() || ray.abs().max_element() > FARTHEST_PX {
             let (value, valid) = (format!("{ray} of sample {sample}"), "within ±2^20");
             return Err(ModelError::range("position [px]", value, valid));
         }

@@ -24,6 +24,9 @@ impl<T: Real> SampleTable<T> {
     /// # Errors
     /// If the lattice is empty or has more than [`SampleTable::MOST`] samples, or a sample looks farther
     /// than 2²⁰ pixels off.
+    ///
+    /// # Panics
+    /// If the region is for another lattice.
     pub fn new(sampling: &Sampling, lattice: UVec2, region: &Region) -> Result<Self, ModelError> {
         let count = u64::from(lattice.x) * u64::from(lattice.y);
         if !(1..=Self::MOST).contains(&count) {

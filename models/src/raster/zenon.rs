@@ -26,7 +26,7 @@ pub enum Catches {
     Once(f64),
     /// Twice.
     Twice([f64; 2]),
-    /// At all times: the point rides on the scan.
+    /// At all times at which it is in front of the eye: the point rides on the scan.
     Always,
 }
 
@@ -85,7 +85,8 @@ impl Zenon {
         let is_seen = |t: &f64| (0.0..=1.0).contains(t) && self.w[0] + self.w[1] * t > 0.0;
         match self.roots() {
             Roots::None => Catches::Never,
-            Roots::All => Catches::Always,
+            Roots::All if self.w[0] > 0.0 || self.w[0] + self.w[1] > 0.0 => Catches::Always,
+            Roots::All => Catches::Never,
             Roots::Some(first, second) => {
                 let (first, second) = (Some(first).filter(is_seen), second.filter(is_seen));
                 match (first, second) {
@@ -167,6 +168,10 @@ mod tests {
     fn degenerate_cases() {
         let catches = |xs, xp, w| Zenon::new(xs, xp, w).catches();
         assert_eq!(catches([0.0, 1.0], [0.0, 1.0], [1.0, 0.0]), Catches::Always);
+        assert_eq!(
+            catches([0.0, 1.0], [0.0, -1.0], [-1.0, 0.0]),
+            Catches::Never
+        );
         assert_eq!(catches([0.0, 1.0], [0.5, 1.0], [1.0, 0.0]), Catches::Never);
         // t·(1 + t) = t: a double root at 0.
         assert_eq!(

@@ -9,10 +9,6 @@ use crate::math::pow;
 /// nowhere sparser than farther out. So the foveated part of a display is a run of each row.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
-#[expect(
-    clippy::large_enum_variant,
-    reason = "a plan has few maps, and they are plain data that can be copied"
-)]
 pub enum Falloff {
     /// p(s) = s^k with k ≥ 1; 1 magnifies nothing (Friston 2019, §5.1, has k = 2).
     Power(f64),
@@ -22,10 +18,13 @@ pub enum Falloff {
 
 /// A monotone function given by points, straight in between and beyond the last two; its inverse is exact
 /// to rounding. Of a smooth p with points h apart it differs by at most h²·max|p″|/8.
+///
+/// Maps are plain data that is copied, so points are few and kept in single precision: as rounded they are
+/// the function.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct FalloffTable {
-    points: [[f64; 2]; FalloffTable::MOST],
-    count: usize,
+    points: [[f32; 2]; FalloffTable::MOST],
+    count: u32,
 }
 
 impl Falloff {
@@ -41,7 +40,7 @@ impl Falloff {
     pub fn is_identity(&self) -> bool {
         match self {
             Self::Power(k) => *k == 1.0,
-            Self::Table(table) => table.points().iter().all(|[from, to]| from == to),
+            Self::Table(table) => table.points().all(|[from, to]| from == to),
         }
     }
 
@@ -83,7 +82,7 @@ impl Line {
 
 impl FalloffTable {
     /// The most points.
-    pub const MOST: usize = 32;
+    pub const MOST: usize = 16;
 
     /// Through `points`, \[distance in the buffer, distance on the display\] as shares of the reach, from
     /// \[0, 0\] to \[1, 1\].
@@ -102,35 +101,42 @@ impl FalloffTable {
             let value = format!("{:?} to {:?}", points[0], points[count - 1]);
             return Err(ModelError::range(FIELD, value, "from [0, 0] to [1, 1]"));
         }
-        for (i, pair) in points.windows(2).enumerate() {
-            let [a, b] = [pair[0], pair[1]];
-            // Written so that NaN fails.
+        let mut kept = [[0.0; 2]; Self::MOST];
+        for (kept, given) in kept.iter_mut().zip(points) {
+            *kept = given.map(|x| x as f32);
+        }
+        for (i, pair) in kept[..count].windows(2).enumerate() {
+            let [a, b] = [pair[0], pair[1]].map(|p| p.map(f64::from));
+            // NaN fails.
             let grows = b[0] > a[0] && b[1] > a[1];
             if !(grows && b[1] * a[0] >= a[1] * b[0]) {
+                let (a, b) = (points[i], points[i + 1]);
                 let value = format!("{a:?}, {b:?} (points {i} and {})", i + 1);
                 let valid = "growing in both, with display over buffer nowhere falling";
                 return Err(ModelError::range(FIELD, value, valid));
             }
         }
-        let mut kept = [[0.0; 2]; Self::MOST];
-        kept[..count].copy_from_slice(points);
         Ok(Self {
             points: kept,
-            count,
+            count: count as u32,
         })
     }
 
-    /// The points that it was made of.
-    pub fn points(&self) -> &[[f64; 2]] {
-        &self.points[..self.count]
+    /// The points that it goes through.
+    pub fn points(&self) -> impl Iterator<Item = [f64; 2]> + '_ {
+        self.kept().iter().map(|p| p.map(f64::from))
+    }
+
+    fn kept(&self) -> &[[f32; 2]] {
+        &self.points[..self.count as usize]
     }
 
     /// The piece that holds `s` along `axis` (0 buffer, 1 display).
     fn line(&self, s: f64, axis: usize) -> Line {
-        let points = self.points();
-        let beyond = points.partition_point(|p| p[axis] <= s);
+        let points = self.kept();
+        let beyond = points.partition_point(|p| f64::from(p[axis]) <= s);
         let end = beyond.clamp(1, points.len() - 1);
-        Line([points[end - 1], points[end]])
+        Line([points[end - 1], points[end]].map(|p| p.map(f64::from)))
     }
 
     /// The function or its inverse at `s`, over `s`.
@@ -160,8 +166,8 @@ mod tests {
                 "{s}"
             );
         }
-        assert_eq!(p.ratio(0.0), 0.2);
-        assert!((p.slope(0.5) - 1.2).abs() < 1e-15);
+        assert!((p.ratio(0.0) - 0.2).abs() < 1e-7);
+        assert!((p.slope(0.5) - 1.2).abs() < 1e-6);
         assert!(!p.is_identity());
         let straight = FalloffTable::new(&[[0.0, 0.0], [0.5, 0.5], [1.0, 1.0]]).unwrap();
         assert!(Falloff::Table(straight).is_identity());

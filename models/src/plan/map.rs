@@ -6,10 +6,6 @@ use crate::Rect;
 /// From lattice to display pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
-#[expect(
-    clippy::large_enum_variant,
-    reason = "a plan has few maps, and they are plain data that can be copied"
-)]
 pub enum Map {
     /// Scale and shift.
     Affine(Affine),
@@ -136,6 +132,12 @@ impl Affine {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// Maps are copied from plans to where samples are placed.
+    #[test]
+    fn maps_stay_small() {
+        assert!(size_of::<Map>() <= 240, "{}", size_of::<Map>());
+    }
 
     #[test]
     fn affine_inverts() {

@@ -27,8 +27,6 @@ pub struct Radial {
     radius: f64,
     /// Buffer position of lattice position 0, 0.
     origin: DVec2,
-    /// Size of the buffer that holds the whole display.
-    buffer_px: DVec2,
     scale: f64,
 }
 
@@ -89,16 +87,9 @@ impl Radial {
             reach,
             radius,
             origin: DVec2::ZERO,
-            buffer_px: size,
             scale,
         };
-        // Of each edge the place nearest the gaze is farthest out in the buffer.
-        let [before, after] = [-gaze_px, size - gaze_px].map(|edge| {
-            let out = |axis: DVec2| map.buffer_from_display(gaze_px + axis * edge) - gaze_px;
-            DVec2::new(out(DVec2::X).x, out(DVec2::Y).y)
-        });
-        map.origin = gaze_px + before;
-        map.buffer_px = after - before;
+        map.origin = map.buffer_edge(-gaze_px);
         Ok(map)
     }
 
@@ -129,8 +120,9 @@ impl Radial {
 
     /// The lattice that holds the whole display.
     pub fn lattice(&self) -> UVec2 {
+        let end = self.buffer_edge(self.display_px - self.gaze_px);
         // A touch of a further step is no step.
-        (self.buffer_px * self.scale - 1e-9)
+        (self.unmagnified(end) - 1e-9)
             .ceil()
             .max(DVec2::ONE)
             .as_uvec2()
@@ -163,6 +155,13 @@ impl Radial {
     /// The lattice position of a display position if nothing were magnified.
     pub fn unmagnified(&self, p: DVec2) -> DVec2 {
         (p - self.origin) * self.scale
+    }
+
+    /// Where in the buffer the display's edges `away` from the gaze along x and y end: of each edge the place
+    /// nearest the gaze is farthest out.
+    fn buffer_edge(&self, away: DVec2) -> DVec2 {
+        let at = |axis: DVec2| self.buffer_from_display(self.gaze_px + axis * away);
+        DVec2::new(at(DVec2::X).x, at(DVec2::Y).y)
     }
 
     fn buffer_from_display(&self, p: DVec2) -> DVec2 {

@@ -214,6 +214,7 @@ fn no_sample_is_missed_in_f64() {
 fn the_published_bounds_miss_samples() {
     let (settings, triangles) = if thorough() { (200, 500) } else { (60, 60) };
     let (mut total, mut bounded) = (Comparison::default(), Comparison::default());
+    let (mut triangles_seen, mut triangles_bounded) = (0, 0);
     for s in 0..settings {
         let Setting {
             sampling,
@@ -232,14 +233,20 @@ fn the_published_bounds_miss_samples() {
             if let Some(forms) = Forms::new(&triangle, Facing::Both) {
                 let found = compare(&triangle, &forms, &sampling, &table, &nodes);
                 total += found;
+                triangles_seen += 1;
                 if found.published.iter().all(|m| m.unbounded == 0) {
                     bounded += found;
+                    triangles_bounded += 1;
                 }
             }
         }
     }
-    for (what, sum) in [("all", total), ("in front of the eye", bounded)] {
-        println!("{what}: {} covered", sum.covered);
+    let sums = [
+        ("all", triangles_seen, total),
+        ("in front of the eye", triangles_bounded, bounded),
+    ];
+    for (what, count, sum) in sums {
+        println!("{what}: {count} triangles, {} samples covered", sum.covered);
         let names = ["box", "simple", "adaptive", "ours"];
         let each = sum.published.into_iter().chain([sum.conservative]);
         for (name, m) in names.into_iter().zip(each) {

@@ -9,52 +9,54 @@ const PATH_S: f64 = 5.0;
 impl Replay {
     /// The angle between eye and drawn fovea along the recording, saccades marked where they are known.
     pub fn gaze_error_chart(&self, phases: Option<&GazePhases>) -> LineChart {
-        let point = |f: &ReplayFrame| {
-            let angle = f.gaze_error_deg().unwrap_or(f64::NAN);
-            [self.seconds(f.lit), angle]
-        };
-        let p95 = self
-            .summary()
-            .gaze_error_deg
-            .map(|e| (e.p95, "95th percentile".to_owned()));
-        LineChart {
-            title: "Gaze error along the recording".into(),
-            x_label: "time [s]".into(),
-            y_label: "angle between eye and drawn fovea [deg]".into(),
-            series: vec![LineSeries {
-                label: "gaze error".into(),
-                points: self.frames.iter().map(point).collect(),
-            }],
-            shaded: self.unknown(&self.frames),
-            shaded_label: "true gaze not known".into(),
-            levels: p95.into_iter().collect(),
-            marked: self.saccades(phases, &self.frames),
-            marked_label: "saccade".into(),
-        }
+        self.along(
+            phases,
+            "Gaze error along the recording",
+            "angle between eye and drawn fovea [deg]",
+            "gaze error",
+            self.summary().gaze_error_deg.map(|e| e.p95),
+            &|f| f.gaze_error_deg().unwrap_or(f64::NAN),
+        )
     }
 
     /// From the exposure that a frame used to its light, along the recording; saccades marked where they are
     /// known. Frames without a gaze have none.
     pub fn latency_chart(&self, phases: Option<&GazePhases>) -> LineChart {
-        let point = |f: &ReplayFrame| {
-            let ms = f.exposure_to_photon().map_or(f64::NAN, Nanos::as_ms);
-            [self.seconds(f.lit), ms]
-        };
-        let p95 = self
-            .summary()
-            .exposure_to_photon_ms
-            .map(|e| (e.p95, "95th percentile".to_owned()));
+        self.along(
+            phases,
+            "Latency along the recording",
+            "exposure to photon [ms]",
+            "exposure to photon",
+            self.summary().exposure_to_photon_ms.map(|e| e.p95),
+            &|f| f.exposure_to_photon().map_or(f64::NAN, Nanos::as_ms),
+        )
+    }
+
+    /// A number of each frame along the recording; NaN where it has none.
+    fn along(
+        &self,
+        phases: Option<&GazePhases>,
+        title: &str,
+        y_label: &str,
+        label: &str,
+        p95: Option<f64>,
+        value: &dyn Fn(&ReplayFrame) -> f64,
+    ) -> LineChart {
+        let point = |f: &ReplayFrame| [self.seconds(f.lit), value(f)];
         LineChart {
-            title: "Latency along the recording".into(),
+            title: title.into(),
             x_label: "time [s]".into(),
-            y_label: "exposure to photon [ms]".into(),
+            y_label: y_label.into(),
             series: vec![LineSeries {
-                label: "exposure to photon".into(),
+                label: label.into(),
                 points: self.frames.iter().map(point).collect(),
             }],
             shaded: self.unknown(&self.frames),
             shaded_label: "true gaze not known".into(),
-            levels: p95.into_iter().collect(),
+            levels: p95
+                .map(|p| (p, "95th percentile".to_owned()))
+                .into_iter()
+                .collect(),
             marked: self.saccades(phases, &self.frames),
             marked_label: "saccade".into(),
         }

@@ -93,8 +93,19 @@ pub(crate) fn draw(
 ) -> (PassSamples, Work) {
     let pass = &plan.passes[index];
     let size = grid(pass);
-    let all_drawn = Live::new(plan, index, &view.optics, options.skip.hidden).is_all();
     let count = size.x as usize * size.y as usize;
+    if count == 0 {
+        let nothing = PassSamples {
+            image: Image {
+                size,
+                rgb: Vec::new(),
+            },
+            ..PassSamples::NONE
+        };
+        return (nothing, Work::default());
+    }
+    let drawing = Drawing::new(scene, view, plan, index, geometry, objects, options, shared);
+    let all_drawn = drawing.live.is_all();
     let kept = count * usize::from(keep_geometry);
     let mut samples = PassSamples {
         image: Image {
@@ -105,10 +116,6 @@ pub(crate) fn draw(
         instance: room(memory.instance, kept, u32::MAX, all_drawn),
         all_drawn,
     };
-    if count == 0 {
-        return (samples, Work::default());
-    }
-    let drawing = Drawing::new(scene, view, plan, index, geometry, objects, options, shared);
     let context = ShadeContext::new(scene, view.poses[0], &drawing.projection, options.footprint);
     let mut work = drawing.work;
     work.passes = 1;

@@ -3,6 +3,8 @@ use std::str::FromStr;
 use foveasim_assets::LodRule;
 use foveasim_models::{ModelError, unknown_name};
 
+pub use foveasim_lanes::Instructions as Simd;
+
 use crate::RenderError;
 
 /// How to draw. Nothing here but `near_m`, `lod`, `footprint` and `skip.back_faces` changes the picture. Made by changing the default:
@@ -130,16 +132,6 @@ impl Default for Skip {
     fn default() -> Self {
         Self::ALL
     }
-}
-
-/// Which instructions the kernels use; the pictures are the same, bit for bit.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub enum Simd {
-    /// The widest that this machine has and the kernels support.
-    #[default]
-    Auto,
-    /// One lane at a time: the specification.
-    Scalar,
 }
 
 impl Default for RenderOptions {

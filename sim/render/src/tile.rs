@@ -11,6 +11,7 @@ pub(crate) const TILE_SAMPLES: usize = (TILE * TILE) as usize;
 pub(crate) const BLOCK: [u32; 2] = [4, 4];
 /// Samples of a block, row by row: its lanes.
 pub(crate) const LANES: usize = (BLOCK[0] * BLOCK[1]) as usize;
+const _: () = assert!(LANES == crate::kernels::WIDTH);
 /// A set of lanes, one bit for each.
 pub(crate) type LaneSet = u16;
 /// All lanes of a block.

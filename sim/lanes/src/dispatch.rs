@@ -1,12 +1,23 @@
 use fearless_simd as fs;
 
-use super::lanes;
-use crate::Simd;
+use crate::lanes;
+
+/// Which instructions kernels use; results are the same, bit for bit.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub enum Instructions {
+    /// The widest that this machine has and kernels support.
+    #[default]
+    Auto,
+    /// One lane at a time: the specification.
+    Scalar,
+}
 
 /// A piece of work written once for every vector level. `run` must be `#[inline(always)]`, so that
 /// it is compiled for the instructions of its caller.
-pub(crate) trait Kernel {
+pub trait Kernel {
+    /// What it gives.
     type Output;
+    /// Does it, with the instructions of `simd`.
     fn run<S: lanes::Simd>(self, simd: S) -> Self::Output;
 }
 
@@ -14,8 +25,8 @@ pub(crate) trait Kernel {
 ///
 /// Not all levels that the SIMD crate has are compiled: kernels are eight and sixteen lanes wide, which
 /// AVX-512 serves whole and AVX2 and NEON in parts, and the fallback is correct everywhere.
-pub(crate) fn dispatch<K: Kernel>(choice: Simd, kernel: K) -> K::Output {
-    if choice == Simd::Auto {
+pub fn dispatch<K: Kernel>(choice: Instructions, kernel: K) -> K::Output {
+    if choice == Instructions::Auto {
         #[cfg(any(target_arch = "x86", target_arch = "x86_64"))]
         {
             let level = fs::Level::new();

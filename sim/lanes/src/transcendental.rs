@@ -2,14 +2,14 @@
 
 use fearless_simd::prelude::*;
 
-use super::wide::{F, I, Simd, U, max, min, piece, splat};
+use crate::wide::{F, I, Simd, U, max, min, piece, splat};
 
 /// log₂ of a positive normal number, within 3·10⁻⁷ + 10⁻⁷·|log₂ x|.
 ///
 /// x = 2ᵉ·m with m from √½ to √2; log₂ m = 2/ln 2 · artanh s, s = (m − 1)/(m + 1), |s| < 0.172. The
 /// series is cut after s⁹: what is left out is below 10⁻⁹.
 #[inline(always)]
-pub(super) fn log2<S: Simd>(x: F<S>) -> F<S> {
+pub fn log2<S: Simd>(x: F<S>) -> F<S> {
     let simd = x.simd;
     piece(
         simd,
@@ -34,7 +34,7 @@ pub(super) fn log2<S: Simd>(x: F<S>) -> F<S> {
 /// 2ˣ = 2ⁿ·e^(f·ln 2) with |f| ≤ ½; the exponential series is cut after the seventh power: what is left out
 /// is below 10⁻⁸. Its 1 is added last, as a·2ⁿ, which is exact: what rounding does to the rest counts less.
 #[inline(always)]
-pub(super) fn times_exp2<S: Simd>(a: F<S>, x: F<S>) -> F<S> {
+pub fn times_exp2<S: Simd>(a: F<S>, x: F<S>) -> F<S> {
     let simd = x.simd;
     piece(
         simd,
@@ -58,7 +58,7 @@ pub(super) fn times_exp2<S: Simd>(a: F<S>, x: F<S>) -> F<S> {
 /// atan a for a up to 1 by its series, cut after a¹⁵, for |a| ≤ tan 22.5°; above by
 /// atan a = π/4 + atan((a − 1)/(a + 1)). What is left out is below 3·10⁻⁹ turns.
 #[inline(always)]
-pub(super) fn turns<S: Simd>(x: F<S>, y: F<S>) -> F<S> {
+pub fn turns<S: Simd>(x: F<S>, y: F<S>) -> F<S> {
     let simd = x.simd;
     piece(
         simd,
@@ -101,8 +101,8 @@ pub(super) fn turns<S: Simd>(x: F<S>, y: F<S>) -> F<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::kernels::wide::WIDTH;
-    use crate::kernels::{Kernel, dispatch};
+    use crate::wide::WIDTH;
+    use crate::{Instructions, Kernel, dispatch};
 
     /// Values of the three functions at lanes of (x, y), by way of x alone for the first two.
     struct All([f32; WIDTH], [f32; WIDTH]);
@@ -135,8 +135,8 @@ mod tests {
                 let t = f64::from(step * 16 + k as u32) * 0.414_213_562_373 % 1.0;
                 ((2.0 * t - 1.0) * 3000.0) as f32
             });
-            let [logs, powers, angles] = dispatch(crate::Simd::Auto, All(x, y));
-            let scalar = dispatch(crate::Simd::Scalar, All(x, y));
+            let [logs, powers, angles] = dispatch(Instructions::Auto, All(x, y));
+            let scalar = dispatch(Instructions::Scalar, All(x, y));
             let bits = |v: [[f32; WIDTH]; 3]| v.map(|row| row.map(f32::to_bits));
             assert_eq!(bits([logs, powers, angles]), bits(scalar));
             for k in 0..WIDTH {
@@ -162,7 +162,7 @@ mod tests {
         let (mut x, mut y) = ([0.0; WIDTH], [0.0; WIDTH]);
         x[..5].copy_from_slice(&axes[..5]);
         y[..5].copy_from_slice(&[0.0, 1.0, 0.0, -1.0, 0.0]);
-        let [_, _, angles] = dispatch(crate::Simd::Auto, All(x, y));
+        let [_, _, angles] = dispatch(Instructions::Auto, All(x, y));
         assert_eq!(angles[..5], [0.0, 0.25, 0.5, 0.75, 0.0]);
     }
 }

@@ -2,10 +2,10 @@
 //! results IEEE 754 defines, so each vector level gives the same bits.
 
 use fearless_simd::prelude::*;
-pub(crate) use fearless_simd::{f32x4, f32x8, i32x8, mask32x8};
+pub use fearless_simd::{f32x4, f32x8, i32x8, mask32x8};
 
 /// A vector level that kernels are compiled for.
-pub(crate) trait Simd: fearless_simd::Simd {
+pub trait Simd: fearless_simd::Simd {
     /// Whether each lane is computed by itself.
     const SCALAR: bool;
 }
@@ -32,7 +32,7 @@ impl Simd for fearless_simd::Neon {
 /// Runs `f`, which must be `#[inline(always)]`, as a function of its own with the instructions of
 /// `simd`: for what is long and called from several places.
 #[inline(never)]
-pub(crate) fn apart<S: Simd, T>(simd: S, f: impl FnOnce() -> T) -> T {
+pub fn apart<S: Simd, T>(simd: S, f: impl FnOnce() -> T) -> T {
     simd.vectorize(f)
 }
 
@@ -40,51 +40,52 @@ pub(crate) fn apart<S: Simd, T>(simd: S, f: impl FnOnce() -> T) -> T {
 /// its own where each of them is eight numbers in memory. There, time to compile grows faster than
 /// length (one function of all shading took minutes), and a call costs little beside the work.
 #[inline(always)]
-pub(crate) fn piece<S: Simd, T>(simd: S, f: impl FnOnce() -> T) -> T {
+pub fn piece<S: Simd, T>(simd: S, f: impl FnOnce() -> T) -> T {
     if S::SCALAR { apart(simd, f) } else { f() }
 }
 
 /// Eight lanes of f32.
-pub(crate) type F<S> = f32x8<S>;
+pub type F<S> = f32x8<S>;
 
 /// Lanes of f32, of any number.
-pub(crate) trait Float<S: Simd>: SimdFloat<S, Element = f32> {}
+pub trait Float<S: Simd>: SimdFloat<S, Element = f32> {}
 
 impl<S: Simd, V: SimdFloat<S, Element = f32>> Float<S> for V {}
 
 /// `[f(0), f(1)]`. Unlike `array::map`, it is always inlined: what is not runs without the instructions of
 /// the kernel that calls it.
 #[inline(always)]
-pub(crate) fn two<T>(f: impl Fn(usize) -> T) -> [T; 2] {
+pub fn two<T>(f: impl Fn(usize) -> T) -> [T; 2] {
     [f(0), f(1)]
 }
 
 /// `[f(0), f(1), f(2)]`; see [`two`].
 #[inline(always)]
-pub(crate) fn three<T>(f: impl Fn(usize) -> T) -> [T; 3] {
+pub fn three<T>(f: impl Fn(usize) -> T) -> [T; 3] {
     [f(0), f(1), f(2)]
 }
 
+/// `v` in every lane.
 #[inline(always)]
-pub(crate) fn splat<S: Simd>(simd: S, v: f32) -> F<S> {
+pub fn splat<S: Simd>(simd: S, v: f32) -> F<S> {
     f32x8::splat(simd, v)
 }
 
 /// `a` where `a > b`, else `b` (so NaN in `a` gives `b`).
 #[inline(always)]
-pub(crate) fn max<S: Simd, V: Float<S>>(a: V, b: V) -> V {
+pub fn max<S: Simd, V: Float<S>>(a: V, b: V) -> V {
     a.simd_gt(b).select(a, b)
 }
 
 /// `a` where `a < b`, else `b` (so NaN in `a` gives `b`).
 #[inline(always)]
-pub(crate) fn min<S: Simd, V: Float<S>>(a: V, b: V) -> V {
+pub fn min<S: Simd, V: Float<S>>(a: V, b: V) -> V {
     a.simd_lt(b).select(a, b)
 }
 
 /// Clamps to 0..=1; NaN becomes 0.
 #[inline(always)]
-pub(crate) fn saturate<S: Simd, V: Float<S>>(a: V) -> V {
+pub fn saturate<S: Simd, V: Float<S>>(a: V) -> V {
     let simd = a.token();
     piece(
         simd,
@@ -95,7 +96,7 @@ pub(crate) fn saturate<S: Simd, V: Float<S>>(a: V) -> V {
 
 /// Three numbers from the `k`-th triple on, and one more that is of no use.
 #[inline(always)]
-pub(crate) fn triple<S: Simd>(simd: S, all: &[f32], k: usize) -> f32x4<S> {
+pub fn triple<S: Simd>(simd: S, all: &[f32], k: usize) -> f32x4<S> {
     match all.get(3 * k..3 * k + 4) {
         Some(four) => f32x4::from_slice(simd, four),
         None => {
@@ -111,7 +112,7 @@ pub(crate) fn triple<S: Simd>(simd: S, all: &[f32], k: usize) -> f32x4<S> {
 /// Stores the first three numbers as the `k`-th triple. The fourth spoils the next triple, if there is
 /// one: triples are stored from the first to the last.
 #[inline(always)]
-pub(crate) fn put_triple<S: Simd>(all: &mut [f32], k: usize, v: f32x4<S>) {
+pub fn put_triple<S: Simd>(all: &mut [f32], k: usize, v: f32x4<S>) {
     match all.get_mut(3 * k..3 * k + 4) {
         Some(out) => v.store_slice(out),
         None => {

@@ -4,38 +4,40 @@
 use fearless_simd::prelude::*;
 use fearless_simd::{f32x16, i32x16, mask32x16, u32x16};
 
-use crate::tile::LANES;
+pub use crate::lanes::{Simd, apart, max, min, piece, saturate, two};
 
-pub(crate) use super::lanes::{Simd, apart, max, min, piece, saturate, two};
-
-/// Lanes: those of a block.
-pub(crate) const WIDTH: usize = LANES;
+/// Lanes.
+pub const WIDTH: usize = 16;
 
 /// Lanes of f32.
-pub(crate) type F<S> = f32x16<S>;
+pub type F<S> = f32x16<S>;
 /// Lanes of i32.
-pub(crate) type I<S> = i32x16<S>;
+pub type I<S> = i32x16<S>;
 /// Lanes of u32.
-pub(crate) type U<S> = u32x16<S>;
+pub type U<S> = u32x16<S>;
 /// Lanes of truth.
-pub(crate) type M<S> = mask32x16<S>;
+pub type M<S> = mask32x16<S>;
 
 /// Three numbers in each lane: a point, direction or colour.
 #[derive(Clone, Copy)]
-pub(crate) struct V3<S: Simd> {
-    pub(crate) x: F<S>,
-    pub(crate) y: F<S>,
-    pub(crate) z: F<S>,
+pub struct V3<S: Simd> {
+    /// x, or red.
+    pub x: F<S>,
+    /// y, or green.
+    pub y: F<S>,
+    /// z, or blue.
+    pub z: F<S>,
 }
 
+/// `v` in every lane.
 #[inline(always)]
-pub(crate) fn splat<S: Simd>(simd: S, v: f32) -> F<S> {
+pub fn splat<S: Simd>(simd: S, v: f32) -> F<S> {
     F::splat(simd, v)
 }
 
 /// a + t·(b − a): exactly `a` where a = b.
 #[inline(always)]
-pub(crate) fn mix<S: Simd>(a: F<S>, b: F<S>, t: F<S>) -> F<S> {
+pub fn mix<S: Simd>(a: F<S>, b: F<S>, t: F<S>) -> F<S> {
     piece(
         a.simd,
         #[inline(always)]
@@ -45,7 +47,7 @@ pub(crate) fn mix<S: Simd>(a: F<S>, b: F<S>, t: F<S>) -> F<S> {
 
 /// 0 below `low`, 1 above `high`, 3x² − 2x³ between.
 #[inline(always)]
-pub(crate) fn smoothstep<S: Simd>(low: F<S>, high: F<S>, x: F<S>) -> F<S> {
+pub fn smoothstep<S: Simd>(low: F<S>, high: F<S>, x: F<S>) -> F<S> {
     piece(
         x.simd,
         #[inline(always)]
@@ -56,9 +58,12 @@ pub(crate) fn smoothstep<S: Simd>(low: F<S>, high: F<S>, x: F<S>) -> F<S> {
     )
 }
 
+// Functions, not operators: it stays plain to see what must be inlined.
+#[expect(clippy::should_implement_trait)]
 impl<S: Simd> V3<S> {
+    /// `v` in every lane.
     #[inline(always)]
-    pub(crate) fn splat(simd: S, v: [f32; 3]) -> Self {
+    pub fn splat(simd: S, v: [f32; 3]) -> Self {
         Self {
             x: splat(simd, v[0]),
             y: splat(simd, v[1]),
@@ -66,8 +71,9 @@ impl<S: Simd> V3<S> {
         }
     }
 
+    /// The sum.
     #[inline(always)]
-    pub(crate) fn add(self, o: Self) -> Self {
+    pub fn add(self, o: Self) -> Self {
         piece(
             self.x.simd,
             #[inline(always)]
@@ -79,8 +85,9 @@ impl<S: Simd> V3<S> {
         )
     }
 
+    /// Times a number in each lane.
     #[inline(always)]
-    pub(crate) fn scale(self, k: F<S>) -> Self {
+    pub fn scale(self, k: F<S>) -> Self {
         piece(
             self.x.simd,
             #[inline(always)]
@@ -92,8 +99,9 @@ impl<S: Simd> V3<S> {
         )
     }
 
+    /// The product of components.
     #[inline(always)]
-    pub(crate) fn mul(self, o: Self) -> Self {
+    pub fn mul(self, o: Self) -> Self {
         piece(
             self.x.simd,
             #[inline(always)]
@@ -105,8 +113,9 @@ impl<S: Simd> V3<S> {
         )
     }
 
+    /// [`mix`] of components.
     #[inline(always)]
-    pub(crate) fn mix(self, o: Self, t: F<S>) -> Self {
+    pub fn mix(self, o: Self, t: F<S>) -> Self {
         piece(
             self.x.simd,
             #[inline(always)]
@@ -118,8 +127,9 @@ impl<S: Simd> V3<S> {
         )
     }
 
+    /// The scalar product.
     #[inline(always)]
-    pub(crate) fn dot(self, o: Self) -> F<S> {
+    pub fn dot(self, o: Self) -> F<S> {
         piece(
             self.x.simd,
             #[inline(always)]
@@ -129,7 +139,7 @@ impl<S: Simd> V3<S> {
 
     /// Unit length; zero stays finite.
     #[inline(always)]
-    pub(crate) fn normalize(self) -> Self {
+    pub fn normalize(self) -> Self {
         piece(
             self.x.simd,
             #[inline(always)]

@@ -1,7 +1,7 @@
 //! What kernel foveated rendering and eye dominance pay in time (Meng 2020): the study scene for two eyes,
 //! 1280×1440 each, by full resolution and by kernels in both forms. Prints one row for each way: samples, whole
-//! frame, shading, the rest, and speedups over full resolution, all medians of paired rounds, with the noise
-//! floor beside them.
+//! frame, shading, the rest, and speedups over full resolution (sums over moments of medians over rounds), with the
+//! noise floor beside them.
 //!
 //! `cargo bench --bench kernel -- --moments 4 --rounds 7 [--size 1280x1440] [--cpu-time] [--errors FILE]`
 //!

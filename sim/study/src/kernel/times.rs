@@ -16,9 +16,10 @@ use crate::reproduce::{ReproduceError, check, stepper};
 ///
 /// A round draws a moment once in every way, with the study's materials and again with all of one colour
 /// (nothing is then evaluated for a sample; visibility, detail and reconstruction are the same): the
-/// difference is the time of shading. Everything is compared within its round, and medians are taken over all
-/// rounds and moments; full resolution is drawn twice in each, and by how much these two differ says what
-/// can be told apart.
+/// difference is the time of shading. Of each moment the median over its rounds is taken, and speedups are
+/// of the moments' sums: what is looked at differs from moment to moment, and with it what a sample costs (a third
+/// of a full image may be sky, and hardly any of a kernel's), so a moment's own speedup says little of a flight's.
+/// Full resolution is drawn twice in each round; by how much the two differ says what can be told apart.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct KernelTimes {
     /// Pixels of each eye's image.
@@ -36,7 +37,8 @@ pub struct KernelTimes {
 pub struct KernelTimings {
     /// Full resolution, then every other way.
     pub rows: Vec<KernelTimeRow>,
-    /// How far the ratio of two equal draws is from one, in 9 of 10 rounds: whole frames, and shading.
+    /// How far the ratio of two equal draws is from one, in 9 of 10 rounds, each a sum over the moments: whole
+    /// frames, and shading.
     pub noise: [f64; 2],
 }
 
@@ -58,6 +60,8 @@ pub struct KernelTimeRow {
     pub speedup: f64,
     /// … shading alone.
     pub shading_speedup: f64,
+    /// The least and the greatest of the moments' own shading speedups.
+    pub shading_range: [f64; 2],
 }
 
 /// The ways, full resolution first: it is drawn again at the end of each round.
@@ -144,37 +148,68 @@ impl KernelTimes {
                 step();
             }
         }
-        Ok(KernelTimings::new(&methods, &samples, &shadings, &ratios))
+        let rounds = self.rounds as usize;
+        Ok(KernelTimings::new(
+            &methods, &samples, rounds, &shadings, &ratios,
+        ))
     }
 }
 
 impl KernelTimings {
-    fn new(methods: &[Method], samples: &[Vec<Sample>], shadings: &[f64], ratios: &[f64]) -> Self {
-        let full = &samples[0];
-        let over_full = |way: &[Sample], of: &dyn Fn(Sample) -> f64| {
-            let ratios = full.iter().zip(way).map(|(full, way)| of(*full) / of(*way));
-            ratios.collect::<Vec<_>>()
+    /// From the samples of each way, those of a moment's `rounds` one after the other.
+    fn new(
+        methods: &[Method],
+        samples: &[Vec<Sample>],
+        rounds: usize,
+        shadings: &[f64],
+        ratios: &[f64],
+    ) -> Self {
+        // The median of each moment.
+        let moments = |way: &[Sample], of: &dyn Fn(&Sample) -> f64| -> Vec<f64> {
+            way.chunks(rounds)
+                .map(|moment| median(moment.iter().map(of)))
+                .collect()
         };
+        let frame = |way: &[Sample]| moments(way, &|s| s.frame);
+        let shading = |way: &[Sample]| moments(way, &|s| s.shading());
+        let (full_frame, full_shading) = (frame(&samples[0]), shading(&samples[0]));
         let rows = methods.iter().zip(samples).zip(shadings.iter().zip(ratios));
-        let rows = rows.map(|((method, way), (count, ratio))| KernelTimeRow {
-            method: *method,
-            buffer_ratio: *ratio,
-            shadings: *count,
-            frame_ms: median(way.iter().map(|s| s.frame)),
-            shading_ms: median(way.iter().map(|s| s.shading())),
-            speedup: median(over_full(way, &|s| s.frame)),
-            shading_speedup: median(over_full(way, &|s| s.shading())),
+        let rows = rows.map(|((method, way), (count, ratio))| {
+            let (frame, shading) = (frame(way), shading(way));
+            let own = full_shading.iter().zip(&shading).map(|(f, s)| f / s);
+            let range = own.fold([f64::INFINITY, f64::NEG_INFINITY], |[low, high], r| {
+                [low.min(r), high.max(r)]
+            });
+            KernelTimeRow {
+                method: *method,
+                buffer_ratio: *ratio,
+                shadings: *count,
+                frame_ms: total(&frame) / frame.len() as f64,
+                shading_ms: total(&shading) / shading.len() as f64,
+                speedup: total(&full_frame) / total(&frame),
+                shading_speedup: total(&full_shading) / total(&shading),
+                shading_range: range,
+            }
         });
         let again = &samples[methods.len()];
-        let noise = |of: &dyn Fn(Sample) -> f64| {
-            let ratios = over_full(again, of).into_iter();
+        let noise = |of: &dyn Fn(&Sample) -> f64| {
+            let sum = |way: &[Sample], round: usize| {
+                total(
+                    &way.iter()
+                        .skip(round)
+                        .step_by(rounds)
+                        .map(of)
+                        .collect::<Vec<_>>(),
+                )
+            };
+            let ratios = (0..rounds).map(|r| sum(&samples[0], r) / sum(again, r));
             let mut away: Vec<f64> = ratios.map(|r| (r - 1.0).abs()).collect();
             away.sort_by(f64::total_cmp);
             quantile_sorted(&away, 0.9)
         };
         Self {
             rows: rows.collect(),
-            noise: [noise(&|s| s.frame), noise(&Sample::shading)],
+            noise: [noise(&|s| s.frame), noise(&|s| s.shading())],
         }
     }
 
@@ -195,6 +230,8 @@ impl KernelTimings {
             "frame_speedup",
             "shading_speedup",
             "shading_speedup_of_buffer_ratio",
+            "shading_speedup_least",
+            "shading_speedup_greatest",
             "noise_frame",
             "noise_shading",
         ]);
@@ -209,6 +246,8 @@ impl KernelTimings {
                 r.speedup.into(),
                 r.shading_speedup.into(),
                 (r.shading_speedup / r.buffer_ratio).into(),
+                r.shading_range[0].into(),
+                r.shading_range[1].into(),
                 self.noise[0].into(),
                 self.noise[1].into(),
             ]);
@@ -248,6 +287,11 @@ fn one_colour(scene: &Scene) -> Result<Scene, SceneError> {
     })
 }
 
+/// In order.
+fn total(values: &[f64]) -> f64 {
+    values.iter().fold(0.0, |sum, v| sum + v)
+}
+
 fn median(values: impl IntoIterator<Item = f64>) -> f64 {
     let mut values: Vec<f64> = values.into_iter().collect();
     values.sort_by(f64::total_cmp);
@@ -279,11 +323,39 @@ mod tests {
         assert!((kernel.buffer_ratio - 4.0).abs() < 1e-9);
         let full = timings.row("full").unwrap();
         assert_eq!((full.speedup, full.shading_speedup), (1.0, 1.0));
+        assert_eq!(full.shading_range, [1.0; 2]);
         assert!(full.shadings == 2.0 * 64.0 * 72.0 && kernel.shadings <= full.shadings / 4.0);
         let both = timings.row("efr:2:3").unwrap();
         assert!((both.buffer_ratio - 2.0 / (1.0 / 4.0 + 1.0 / 9.0)).abs() < 0.2);
         assert_eq!(timings.table().rows().len(), METHODS.len());
         let wrong = KernelTimes { rounds: 0, ..study };
         assert!(wrong.run(&mut clock, &|_, _| ()).is_err());
+    }
+
+    /// Moments weigh by what they take, not one like the other.
+    #[test]
+    fn speedups_are_of_sums_over_moments() {
+        let sample = |frame: f64, bare: f64| Sample { frame, bare };
+        // Two moments of three rounds: shading of 80 and 20 ms against 40 and 2; one round is an outlier.
+        let full = vec![
+            sample(90.0, 10.0),
+            sample(90.0, 10.0),
+            sample(500.0, 10.0),
+            sample(30.0, 10.0),
+            sample(30.0, 10.0),
+            sample(30.0, 10.0),
+        ];
+        let way: Vec<_> = [50.0, 50.0, 50.0, 12.0, 12.0, 12.0]
+            .map(|frame| sample(frame, 10.0))
+            .into();
+        let methods = ["full", "kfr:2:4"].map(|m| m.parse().unwrap());
+        let samples = [full.clone(), way, full];
+        let timings = KernelTimings::new(&methods, &samples, 3, &[1.0; 2], &[1.0, 4.0]);
+        let row = timings.row("kfr:2:4").unwrap();
+        assert_eq!(row.shading_speedup, 100.0 / 42.0);
+        assert_eq!(row.speedup, 120.0 / 62.0);
+        assert_eq!(row.shading_range, [2.0, 10.0]);
+        assert_eq!((row.frame_ms, row.shading_ms), (31.0, 21.0));
+        assert_eq!(timings.noise, [0.0; 2]);
     }
 }

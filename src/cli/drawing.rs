@@ -1,6 +1,6 @@
 //! How `render` draws: what the renderer is told, and what frames take from those before them.
 
-use foveasim_assets::{LodRule, STUDY_FRAMES};
+use foveasim_assets::{Detail, LodRule, STUDY_FRAMES};
 use foveasim_models::Msaa;
 use foveasim_render::{RenderOptions, Simd, Skip, TemporalOptions};
 use foveasim_study::Drawing;
@@ -16,6 +16,9 @@ pub(crate) struct DrawingArgs {
     /// Which mesh is drawn of an object that has several
     #[arg(long, value_enum, default_value_t = Lod::Footprint)]
     lod: Lod,
+    /// By how many samples a mesh chosen by footprint may be off its shape, 1/64 to 16
+    #[arg(long, value_name = "SAMPLES", default_value_t = Detail::ERROR_SAMPLES, value_parser = lod_error)]
+    lod_error: f64,
     /// Work to leave out because the picture does not need it: all, none, or some of back-faces,
     /// outside, occluded, hidden, repeated-vertices, whole-samples, repeated-for-eyes, with commas
     #[arg(long, value_name = "LIST", default_value = "all", value_parser = str::parse::<Skip>)]
@@ -89,6 +92,13 @@ fn msaa(text: &str) -> Result<Msaa, String> {
     }
 }
 
+fn lod_error(text: &str) -> Result<f64, String> {
+    text.parse()
+        .ok()
+        .filter(|samples| (0.015625..=16.0).contains(samples))
+        .ok_or_else(|| "want samples from 1/64 (0.015625) to 16".into())
+}
+
 /// Most pictures of one run: each is kept until all are written.
 const MOST_PICTURES: u32 = 600;
 
@@ -107,6 +117,7 @@ impl DrawingArgs {
                     Lod::Distance => LodRule::Distance,
                     Lod::Footprint => LodRule::Footprint,
                 },
+                lod_error: self.lod_error,
                 skip: self.skip,
                 ..RenderOptions::default()
             },

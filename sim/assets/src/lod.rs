@@ -34,6 +34,13 @@ pub struct Detail {
     /// Width of a sample as a tangent, the smaller one if they differ by axis. The footprint rule alone
     /// reads it.
     pub sample_tan: f64,
+    /// By how many such samples the mesh may be off the shape. The footprint rule alone reads it.
+    pub error_samples: f64,
+}
+
+impl Detail {
+    /// Half a sample: about what can be seen of an outline's place.
+    pub const ERROR_SAMPLES: f64 = 0.5;
 }
 
 /// How detail follows from distance.
@@ -45,9 +52,9 @@ pub enum LodRule {
     /// to the curve's.
     Distance,
     /// As [`LodRule::Distance`], and never finer than the samples can show: the coarsest mesh that is
-    /// off the shape by less than half a sample, as seen from the eye.
+    /// off the shape by less than [`Detail::error_samples`], half a sample by default, as seen from the eye.
     ///
-    /// What this changes: outlines by less than half a sample straight ahead. At an angle θ off the axis
+    /// What this changes: outlines by less than that straight ahead. At an angle θ off the axis
     /// samples subtend less and it is at most 1/cos²θ times that (1.24 in the corners of the study's
     /// display). What normals make of light moves by about as much; for it, and for texture coordinates
     /// over larger triangles, no bound is claimed.
@@ -71,7 +78,7 @@ impl LevelOfDetail {
                 let by_distance = self.by_distance(meshes, placed, eye, detail.outermost);
                 let (centre, radius) = meshes[self.meshes.start].bounds();
                 let away = eye.distance(placed.point(centre)) - placed.scale * radius;
-                let shown_m = 0.5 * detail.sample_tan * away / placed.scale;
+                let shown_m = detail.error_samples * detail.sample_tan * away / placed.scale;
                 let coarsest = self.deviations_m.iter().rposition(|d| *d < shown_m);
                 by_distance.max(coarsest.unwrap_or(0))
             }

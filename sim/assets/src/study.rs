@@ -175,6 +175,7 @@ mod tests {
             rule,
             outermost,
             sample_tan: PIXEL_TAN,
+            error_samples: Detail::ERROR_SAMPLES,
         }
     }
 
@@ -272,6 +273,20 @@ mod tests {
                 let by_distance = scene.mesh_for(index, eye, detail(LodRule::Distance, false));
                 let drawn = scene.mesh_for(index, eye, detail(LodRule::Footprint, false));
                 assert!(drawn >= by_distance);
+                // Half of four times the samples is twice the samples.
+                let strict = Detail {
+                    sample_tan: 4.0 * PIXEL_TAN,
+                    error_samples: 0.5 * Detail::ERROR_SAMPLES,
+                    ..detail(LodRule::Footprint, false)
+                };
+                let coarse = Detail {
+                    sample_tan: 2.0 * PIXEL_TAN,
+                    ..detail(LodRule::Footprint, false)
+                };
+                assert_eq!(
+                    scene.mesh_for(index, eye, strict),
+                    scene.mesh_for(index, eye, coarse)
+                );
                 if drawn > by_distance {
                     let placed = instance.world_from_object;
                     let (centre, radius) = scene.meshes()[lod.meshes.start].bounds();

@@ -1,13 +1,13 @@
 use std::str::FromStr;
 
-use foveasim_assets::LodRule;
+use foveasim_assets::{Detail, LodRule};
 use foveasim_models::{ModelError, unknown_name};
 
 pub use foveasim_lanes::Instructions as Simd;
 
 use crate::RenderError;
 
-/// How to draw. Nothing here but `near_m`, `lod`, `footprint` and `skip.back_faces` changes the picture. Made by changing the default:
+/// How to draw. Nothing here but `near_m`, `lod`, `lod_error`, `footprint` and `skip.back_faces` changes the picture. Made by changing the default:
 /// `RenderOptions { simd, ..RenderOptions::default() }`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RenderOptions {
@@ -21,6 +21,8 @@ pub struct RenderOptions {
     /// Which of an instance's levels of detail is drawn. Coarser ones change the picture, within the bounds
     /// that [`LodRule`] gives.
     pub lod: LodRule,
+    /// By how many samples a level chosen by [`LodRule::Footprint`] may be off the shape: 1/64 to 16.
+    pub lod_error: f64,
     /// Over how much of what it stands for a sample's shading averages, along each side: 1 is all. Below 1
     /// there is more detail and more aliasing, as with a negative mip bias: 1/16 to 4.
     pub footprint: f64,
@@ -142,6 +144,7 @@ impl Default for RenderOptions {
             near_m: 0.05,
             keep_passes: false,
             lod: LodRule::default(),
+            lod_error: Detail::ERROR_SAMPLES,
             footprint: 1.0,
             skip: Skip::ALL,
         }
@@ -159,6 +162,9 @@ impl RenderOptions {
         };
         if !(1e-4..=1e3).contains(&self.near_m) {
             return out_of_range("near_m", self.near_m, "from 0.0001 to 1000 m");
+        }
+        if !(0.015625..=16.0).contains(&self.lod_error) {
+            return out_of_range("lod_error", self.lod_error, "from 1/64 to 16 samples");
         }
         if !(0.0625..=4.0).contains(&self.footprint) {
             return out_of_range("footprint", self.footprint, "from 1/16 to 4 samples");

@@ -54,6 +54,7 @@ impl<'a> Sight<'a> {
             rule: LodRule::Finest,
             outermost: self.outermost,
             sample_tan: step,
+            error_samples: Detail::ERROR_SAMPLES,
         };
         let finest = scene.mesh_for(index, eye, finest);
         let at = bounds(scene, index, finest, self.eye_from_world);
@@ -78,6 +79,7 @@ fn choose(
             rule: options.lod,
             outermost: passes.iter().all(|p| p.outermost),
             sample_tan: widths.fold(f64::INFINITY, f64::min),
+            error_samples: options.lod_error,
         };
         let mesh = scene.mesh_for(index, eye, detail);
         let mut missed = u8::MAX;

@@ -174,7 +174,8 @@ impl<'a> Shooter<'a> {
         }
     }
 
-    /// The same with samples `step` times as far apart, put together by interpolation.
+    /// The same with samples `step` times as far apart, put together by interpolation: of the same meshes, and shaded
+    /// as finely.
     pub(super) fn coarser(self, step: f64) -> Self {
         Self {
             step: Some(step),
@@ -244,7 +245,11 @@ impl<'a> Shooter<'a> {
     pub(super) fn draw(&mut self, frame: u32) -> Result<Frame, FrameError> {
         let plan = self.plan(frame)?;
         let view = self.flight.view(frame);
-        let options = RenderOptions::default();
+        let mut options = RenderOptions::default();
+        if let Some(step) = self.step {
+            options.lod_error /= step;
+            options.footprint /= step;
+        }
         let frame = u64::from(frame);
         let spare = std::mem::replace(&mut self.spare, Image::filled(UVec2::ZERO, [0.0; 3]));
         Ok(self

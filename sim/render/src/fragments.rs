@@ -1,29 +1,15 @@
 use foveasim_models::{Msaa, Shading, ShadingRate, TileRates, Work};
 use glam::UVec2;
 
+use crate::group::{Fragment, Groups};
 use crate::kernels::Kernel;
 use crate::kernels::lanes::Simd;
 use crate::tile::{
     ALL, BLOCK, LANES, LaneSet, SampleTile, TILE, TILE_SAMPLES, TileBuffers, index_of, position_of,
 };
 
-/// No triangle: sky.
-pub(crate) const SKY: u32 = u32::MAX;
 /// Not crossed by an edge.
 const WHOLE: u16 = u16::MAX;
-
-/// One evaluation of shading: a triangle (or the sky) in a sample, or in a block of coarse shading.
-#[derive(Debug, Clone, Copy)]
-pub(crate) struct Fragment {
-    /// Which of the tile's visible triangles, or [`SKY`].
-    pub(crate) triangle: u32,
-    /// First sample in the tile.
-    pub(crate) first: [u8; 2],
-    /// Samples across and down.
-    pub(crate) size: [u8; 2],
-    /// For each sample, row by row, at which positions of visibility it is seen.
-    pub(crate) seen: u64,
-}
 
 /// What is to be shaded with one material, or as sky.
 #[derive(Debug, Default)]
@@ -31,7 +17,7 @@ pub(crate) struct Bucket {
     /// Blocks of samples that see this material alone, each sample one triangle.
     pub(crate) blocks: Vec<u16>,
     /// All the rest.
-    pub(crate) fragments: Vec<Fragment>,
+    pub(crate) groups: Groups,
 }
 
 /// The work of shading one tile, sorted by material.
@@ -41,7 +27,7 @@ pub(crate) struct Fragments {
     pub(crate) buckets: Vec<Bucket>,
     /// The slots of visible triangles, in the order of slots.
     pub(crate) visible: Vec<u32>,
-    /// For each slot, its place in `visible`.
+    /// For each slot that is visible, its place in `visible`.
     pub(crate) of_slot: Vec<u32>,
     /// For each slot, its bucket.
     bucket_of: Vec<u32>,
@@ -109,8 +95,9 @@ impl Fragments {
                 rate => self.coarse(c, first, rate, work),
             }
         }
-        for (bucket, count) in self.buckets.iter().zip(0..) {
-            let shaded = bucket.blocks.len() * LANES + bucket.fragments.len();
+        for (bucket, count) in self.buckets.iter_mut().zip(0..) {
+            bucket.groups.fill();
+            let shaded = bucket.blocks.len() * LANES + bucket.groups.len();
             if count == 0 {
                 work.samples_sky += shaded as u64;
             } else {
@@ -123,7 +110,7 @@ impl Fragments {
     fn clear(&mut self) {
         for bucket in &mut self.buckets {
             bucket.blocks.clear();
-            bucket.fragments.clear();
+            bucket.groups.clear();
         }
         for [x, y] in self.edges.drain(..) {
             self.edge_of[index_of(x.into(), y.into())] = WHOLE;
@@ -143,7 +130,7 @@ impl Fragments {
         }
         self.visible.clear();
         self.of_slot.clear();
-        self.of_slot.resize(slots + 1, SKY);
+        self.of_slot.resize(slots + 1, 0);
         self.bucket_of.clear();
         self.bucket_of.resize(slots + 1, 0);
         for slot in 1..=slots {
@@ -206,7 +193,8 @@ impl Fragments {
             left &= left - 1;
             let at = first + UVec2::new(lane % BLOCK[0], lane / BLOCK[0]);
             if crossed >> lane & 1 == 0 {
-                self.push(nearest[lane as usize], at, UVec2::ONE, (1 << positions) - 1);
+                let all = (1 << positions) - 1;
+                self.push(nearest[lane as usize], at, UVec2::ONE, all, true);
             } else {
                 let four = std::array::from_fn(|p| slots[p][lane as usize]);
                 self.edge_sample(four, at, work);
@@ -223,7 +211,7 @@ impl Fragments {
             let slot = slots[left.trailing_zeros() as usize];
             let seen = (0..4).fold(0, |seen, p| seen | u64::from(slots[p] == slot) << p);
             left &= !seen;
-            self.push(slot, at, UVec2::ONE, seen);
+            self.push(slot, at, UVec2::ONE, seen, seen == 0b1111);
         }
     }
 
@@ -233,14 +221,16 @@ impl Fragments {
         work.samples_with_edge += 1;
     }
 
-    #[inline]
-    fn push(&mut self, slot: u32, first: UVec2, size: UVec2, seen: u64) {
+    /// `every`: seen at all positions of all its samples.
+    #[inline(always)]
+    fn push(&mut self, slot: u32, first: UVec2, size: UVec2, seen: u64, every: bool) {
         let bucket = self.bucket_of[slot as usize] as usize;
-        self.buckets[bucket].fragments.push(Fragment {
-            triangle: self.of_slot[slot as usize],
+        self.buckets[bucket].groups.push(Fragment {
+            name: self.of_slot[slot as usize],
             first: [first.x as u8, first.y as u8],
             size: [size.x as u8, size.y as u8],
             seen,
+            beside: !every || size != UVec2::ONE,
         });
     }
 
@@ -289,7 +279,8 @@ impl Fragments {
             }
         }
         for &(slot, seen) in &found[..count] {
-            self.push(slot, first, size, seen);
+            let every = seen == (1 << positions) - 1;
+            self.push(slot, first, size, seen, every);
         }
     }
 }

@@ -51,6 +51,7 @@ mod error;
 mod feather;
 mod fragments;
 mod frame;
+mod group;
 mod inverse;
 mod kernels;
 mod live;

@@ -13,7 +13,8 @@ use rayon::prelude::*;
 use crate::RenderOptions;
 use crate::fragments::{Collect, Fragments, Rates};
 use crate::kernels::{
-    Attributes, Details, RasterizePlaced, RasterizeTile, ShadeContext, ShadeTile, dispatch,
+    Attributes, Details, EdgeSample, RasterizePlaced, RasterizeTile, ShadeContext, ShadeTile,
+    dispatch,
 };
 use crate::live::{Live, grid};
 use crate::msaa::offsets;
@@ -227,7 +228,7 @@ struct Scratch {
     corners: Vec<[EyeVertex; 3]>,
     attributes: Vec<Attributes>,
     details: Vec<Details>,
-    edges: Vec<[[f32; 3]; 4]>,
+    edges: Vec<EdgeSample>,
     /// For each slot, the instance that is seen.
     instances: Vec<u32>,
 }
@@ -465,10 +466,10 @@ impl<'a> Drawing<'a> {
             }));
         }
         edges.clear();
-        edges.resize(fragments.edges.len(), [[0.0; 3]; 4]);
+        edges.resize(fragments.edges.len(), EdgeSample::DARK);
         for bucket in 0..fragments.buckets.len() {
             let work = &fragments.buckets[bucket];
-            if work.blocks.is_empty() && work.fragments.is_empty() {
+            if work.blocks.is_empty() && work.groups.len() == 0 {
                 continue;
             }
             let nothing = Needs {
@@ -491,10 +492,8 @@ impl<'a> Drawing<'a> {
             };
             dispatch(self.options.simd, kernel);
         }
-        // In pairs, so that four equal colours give that colour, bit for bit.
-        for (&[x, y], [a, b, c, d]) in fragments.edges.iter().zip(edges.iter()) {
-            rows[y as usize][x as usize] =
-                std::array::from_fn(|k| ((a[k] + b[k]) + (c[k] + d[k])) * 0.25);
+        for (&[x, y], edge) in fragments.edges.iter().zip(edges.iter()) {
+            rows[y as usize][x as usize] = edge.mean();
         }
         work
     }

@@ -1,5 +1,3 @@
-use super::wide::WIDTH;
-
 /// What shading always needs of one triangle: one cache line.
 #[derive(Debug, Clone, Copy)]
 #[repr(align(64))]
@@ -35,35 +33,4 @@ impl Details {
     pub(crate) const COUNT: usize = 32;
     /// Of a triangle whose details nothing reads.
     pub(crate) const UNREAD: Self = Self([0.0; Self::COUNT]);
-}
-
-/// Room for what lies side by side of blocks, but not of fragments.
-#[derive(Default)]
-pub(super) struct Loose {
-    /// Places among the visible triangles.
-    pub(super) names: [u32; WIDTH],
-    /// Lattice position of each.
-    pub(super) x: [f32; WIDTH],
-    pub(super) y: [f32; WIDTH],
-    /// 1/w at each.
-    pub(super) inverse_w: [f32; WIDTH],
-}
-
-impl Loose {
-    /// The depth at these positions, as the depth test has it, to the bit; 1 where there is nothing.
-    #[inline(always)]
-    pub(super) fn find_depth(&mut self, triangles: &[Attributes]) {
-        for lane in 0..WIDTH {
-            let Some(Attributes(a)) = triangles.get(self.names[lane] as usize) else {
-                self.inverse_w[lane] = 1.0;
-                continue;
-            };
-            let dx = self.x[lane] - a[Attributes::CORNER];
-            let dy = self.y[lane] - a[Attributes::CORNER + 1];
-            let [at, step_x, step_y, low, high] = std::array::from_fn(|k| a[Attributes::DEPTH + k]);
-            let depth = dx * step_x + at + dy * step_y;
-            let depth = if depth < high { depth } else { high };
-            self.inverse_w[lane] = if depth > low { depth } else { low };
-        }
-    }
 }

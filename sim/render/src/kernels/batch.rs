@@ -10,8 +10,8 @@ pub(super) struct Batch<'a, S: Simd> {
     pub(super) lattice: [F<S>; 2],
     /// Scale and shift from lattice to display pixels, for x and y.
     pub(super) display: &'a [[f32; 2]; 2],
-    /// 1/w, as the depth test has it.
-    pub(super) inverse_w: F<S>,
+    /// 1/w, as the depth test has it, where that is known for the middles of samples.
+    pub(super) inverse_w: Option<F<S>>,
     pub(super) triangles: &'a [Attributes],
     pub(super) details: &'a [Details],
     /// Lanes whose place may lie outside of their triangle.
@@ -26,6 +26,8 @@ pub(super) struct Batch<'a, S: Simd> {
 
 /// Attributes that the lanes of a batch see.
 struct Found<S: Simd> {
+    /// As the depth test has it, to the bit.
+    inverse_w: F<S>,
     /// Normal in the world, of any length.
     normal: V3<S>,
     /// Position in the object.
@@ -75,8 +77,8 @@ impl<S: Simd> Batch<'_, S> {
     #[inline(always)]
     pub(super) fn hit_inline(&self, c: &ShadeContext<'_>, simd: S, needs: Needs) -> Hit<S> {
         let (zero, one) = (splat(simd, 0.0), splat(simd, 1.0));
-        let w = one / self.inverse_w;
         let mut found = Found {
+            inverse_w: self.inverse_w.unwrap_or(one),
             normal: V3::splat(simd, [0.0; 3]),
             object: V3::splat(simd, [0.0; 3]),
             uv: [zero; 2],
@@ -84,6 +86,10 @@ impl<S: Simd> Batch<'_, S> {
         };
         // Neighbours mostly see the same triangle: one round for each that the lanes see.
         let slots = U::from_slice(simd, self.slots);
+        let known = self.inverse_w.map(
+            #[inline(always)]
+            |inverse_w| one / inverse_w,
+        );
         let mut rest = (1u32 << WIDTH) - 1;
         while rest != 0 {
             let slot = self.slots[rest.trailing_zeros() as usize % WIDTH];
@@ -92,15 +98,17 @@ impl<S: Simd> Batch<'_, S> {
             piece(
                 simd,
                 #[inline(always)]
-                || self.triangle(simd, slot, here, w, needs, &mut found),
+                || self.triangle(simd, slot, here, known, needs, &mut found),
             );
         }
         let Found {
+            inverse_w,
             normal,
             object,
             uv,
             per_metre,
         } = found;
+        let w = known.unwrap_or(one / inverse_w);
         let (direction, angle) = self.ray(c);
         let world = V3::splat(simd, c.eye).add(direction.scale(w));
         let normal = normal.normalize();
@@ -122,14 +130,14 @@ impl<S: Simd> Batch<'_, S> {
         }
     }
 
-    /// What the lanes `here`, at distances `w`, see of a triangle.
+    /// What the lanes `here`, at distances `w` if these are known, see of a triangle.
     #[inline(always)]
     fn triangle(
         &self,
         simd: S,
         slot: u32,
         here: M<S>,
-        w: F<S>,
+        w: Option<F<S>>,
         needs: Needs,
         found: &mut Found<S>,
     ) {
@@ -143,9 +151,17 @@ impl<S: Simd> Batch<'_, S> {
             z: plane(a, Attributes::NORMAL + 2, 3, dx, dy),
         };
         found.normal = select(here, over_w, found.normal);
+        if w.is_none() {
+            let depth = plane(a, Attributes::DEPTH, 1, dx, dy);
+            let low = splat(simd, a[Attributes::DEPTH + 3]);
+            let high = splat(simd, a[Attributes::DEPTH + 4]);
+            let depth = max(min(depth, high), low);
+            found.inverse_w = here.select(depth, found.inverse_w);
+        }
         if !(needs.object || needs.uv || self.beside != 0) {
             return;
         }
+        let w = w.unwrap_or(splat(simd, 1.0) / found.inverse_w);
         let beside = M::from_bitmask(simd, self.beside.into());
         let a = &self.details[name].0;
         let weight = Details::WEIGHTS;

@@ -36,7 +36,7 @@ pub(crate) use locate::{LocateRow, PolarInverse};
 pub(crate) use place_tile::{PlacePolar, PolarTable, sub_sample};
 pub(crate) use placed::RasterizePlaced;
 pub(crate) use reproject::{Before, ReprojectRow, ReprojectScratch, Source, Warp};
-pub(crate) use shade::{ShadeContext, ShadeTile};
+pub(crate) use shade::{EdgeSample, ShadeContext, ShadeTile};
 pub(crate) use triangles::SetUpEight;
 pub(crate) use vertices::{TransformVertices, VertexTransform};
 pub(crate) use visible::RasterizeTile;

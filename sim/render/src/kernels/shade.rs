@@ -4,15 +4,16 @@ use foveasim_models::{Msaa, Pose};
 use glam::{DMat3, DVec3};
 
 use super::Kernel;
-use super::attributes::{Attributes, Details, Loose};
+use super::attributes::{Attributes, Details};
 use super::batch::Batch;
 use super::phong::phong;
 use super::sky::{aerial, sky};
 use super::surface::surface;
 use super::terrain::terrain;
 use super::textured::textured;
-use super::wide::{F, I, Simd, V3, WIDTH, apart, max, piece, splat};
-use crate::fragments::{Fragment, Fragments, SKY};
+use super::wide::{F, I, M, Simd, V3, WIDTH, apart, max, piece, splat};
+use crate::fragments::Fragments;
+use crate::group::Group;
 use crate::placed::PlacedTile;
 use crate::project::{Projection, SUBSAMPLES};
 use crate::raster::Needs;
@@ -136,7 +137,7 @@ pub(crate) struct ShadeTile<'a, 'b> {
     /// Rows of the tile in the pass's image.
     pub(crate) out: &'a mut [&'b mut [[f32; 3]]],
     /// Colours at the positions of visibility of samples that an edge crosses.
-    pub(crate) edges: &'a mut [[[f32; 3]; 4]],
+    pub(crate) edges: &'a mut [EdgeSample],
 }
 
 impl Kernel for ShadeTile<'_, '_> {
@@ -245,22 +246,15 @@ impl ShadeTile<'_, '_> {
     fn each_batch_inline<S: Simd>(mut self, simd: S, shade: impl Fn(&Batch<'_, S>) -> V3<S>) {
         let map = self.tile.affine();
         let display = [0, 1].map(|k| [map.scale[k] as f32, map.origin[k] as f32]);
-        // Blocks first, then single fragments, in one loop: shading is compiled once.
-        let bucket = &self.fragments.buckets[self.bucket];
-        let steps = bucket.blocks.len() + bucket.fragments.len().div_ceil(WIDTH);
-        let mut loose = Loose::default();
-        for step in 0..steps {
-            let block = bucket.blocks.get(step).copied();
-            let fragments = match block {
-                Some(_) => &[][..],
-                None => {
-                    let first = (step - bucket.blocks.len()) * WIDTH;
-                    &bucket.fragments[first..bucket.fragments.len().min(first + WIDTH)]
-                }
-            };
+        // Blocks first, then groups, in one loop: shading is compiled once.
+        let fragments = self.fragments;
+        let bucket = &fragments.buckets[self.bucket];
+        let (blocks, groups) = (&bucket.blocks, bucket.groups.all());
+        for step in 0..blocks.len() + groups.len() {
+            let block = blocks.get(step).copied();
             let batch = match block {
-                Some(block) => self.block(simd, block, &display, &mut loose),
-                None => self.fragments(simd, fragments, &display, &mut loose),
+                Some(block) => self.block(simd, block, &display),
+                None => self.group(simd, &groups[step - blocks.len()], &display),
             };
             let colour = shade(&batch);
             let zero = splat(simd, 0.0);
@@ -279,11 +273,11 @@ impl ShadeTile<'_, '_> {
                         ]);
                     }
                 }
-                None => {
-                    for (i, fragment) in fragments.iter().enumerate() {
-                        self.write(fragment, [r[i], g[i], b[i]]);
-                    }
-                }
+                None => apart(
+                    simd,
+                    #[inline(always)]
+                    || self.write(simd, &groups[step - blocks.len()], [&r, &g, &b]),
+                ),
             }
         }
     }
@@ -295,7 +289,6 @@ impl ShadeTile<'_, '_> {
         simd: S,
         block: u16,
         display: &'e [[f32; 2]; 2],
-        loose: &'e mut Loose,
     ) -> Batch<'e, S> {
         let [px, py] = position_of(block as usize * LANES);
         let x = (self.tile.origin.x + px) as f32;
@@ -320,124 +313,156 @@ impl ShadeTile<'_, '_> {
             ),
         };
         let first = block as usize * self.msaa.positions() as usize;
-        let slots = &self.buffers.slot[first];
-        let inverse_w = if self.msaa == Msaa::One {
-            &self.buffers.depth[first]
-        } else {
-            loose.names = *slots;
-            if self.bucket != 0 {
-                for name in &mut loose.names {
-                    *name = self.fragments.of_slot[*name as usize];
-                }
-            }
-            loose.x = lattice[0].to_array();
-            loose.y = lattice[1].to_array();
-            apart(
-                simd,
-                #[inline(always)]
-                || loose.find_depth(self.triangles),
-            );
-            &loose.inverse_w
-        };
+        let depth = &self.buffers.depth[first];
         Batch {
             lattice,
             display,
-            inverse_w: F::from_slice(simd, inverse_w),
+            // Several positions have depths of their own; none is the middle's.
+            inverse_w: (self.msaa == Msaa::One).then(
+                #[inline(always)]
+                || F::from_slice(simd, depth),
+            ),
             triangles: self.triangles,
             details: self.details,
             // The middle of a sample all of whose positions are covered is covered.
             beside: 0,
-            slots,
+            slots: &self.buffers.slot[first],
             of_slot: Some(&self.fragments.of_slot),
             coarseness,
         }
     }
 
-    /// Up to [`WIDTH`] fragments from anywhere in the tile.
+    /// Evaluations from anywhere in the tile.
     #[inline(always)]
-    fn fragments<'e, S: Simd>(
+    fn group<'e, S: Simd>(
         &'e self,
         simd: S,
-        fragments: &[Fragment],
+        group: &'e Group,
         display: &'e [[f32; 2]; 2],
-        loose: &'e mut Loose,
     ) -> Batch<'e, S> {
-        let (coarseness, beside) = self.gather(fragments, loose);
+        let (lattice, coarseness) = match self.placed {
+            None => {
+                // Exact: halves of whole samples.
+                let [x, y] = &group.middle;
+                let x = F::from_slice(simd, x) + self.tile.origin.x as f32;
+                let y = F::from_slice(simd, y) + self.tile.origin.y as f32;
+                ([x, y], F::from_slice(simd, &group.coarseness))
+            }
+            Some(placed) => {
+                let [x, y, width] = find(placed, group);
+                let [x, y, width] = [
+                    F::from_slice(simd, &x),
+                    F::from_slice(simd, &y),
+                    F::from_slice(simd, &width),
+                ];
+                ([x, y], width)
+            }
+        };
         Batch {
-            lattice: [F::from_slice(simd, &loose.x), F::from_slice(simd, &loose.y)],
+            lattice,
             display,
-            inverse_w: F::from_slice(simd, &loose.inverse_w),
+            inverse_w: None,
             triangles: self.triangles,
             details: self.details,
-            beside,
-            slots: &loose.names,
+            beside: group.beside,
+            slots: &group.names,
             of_slot: None,
-            coarseness: F::from_slice(simd, &coarseness),
+            coarseness,
         }
     }
 
-    /// Place, triangle and depth of each; how many samples share it, and which may lie beside their
-    /// triangle. No lanes, so it is one function for all materials.
-    #[inline(never)]
-    fn gather(&self, fragments: &[Fragment], loose: &mut Loose) -> ([f32; WIDTH], u32) {
-        let mut coarseness = [1.0; WIDTH];
-        let mut beside = 0;
-        let every = (1u64 << self.msaa.positions()) - 1;
-        for i in 0..WIDTH {
-            // A batch that is not full repeats its last.
-            let fragment = &fragments[i.min(fragments.len() - 1)];
-            let [width, height] = fragment.size.map(f32::from);
-            let [px, py] = fragment.first.map(u32::from);
-            loose.x[i] = (self.tile.origin.x + px) as f32 + 0.5 * width;
-            loose.y[i] = (self.tile.origin.y + py) as f32 + 0.5 * height;
-            coarseness[i] = if width > height { width } else { height };
-            if let Some(placed) = self.placed {
-                let index = index_of(px, py);
-                let (block, lane) = (index / LANES, index % LANES);
-                let [x, y] = &placed.middle[block];
-                loose.x[i] = x[lane] as f32 * PER_SAMPLE;
-                loose.y[i] = y[lane] as f32 * PER_SAMPLE;
-                coarseness[i] = placed.width[block][lane];
-            }
-            loose.names[i] = match fragment.triangle {
-                SKY => 0,
-                name => name,
-            };
-            if fragment.size != [1, 1] || fragment.seen != every {
-                beside |= 1 << i;
-            }
-        }
-        loose.find_depth(self.triangles);
-        (coarseness, beside)
-    }
-
-    /// Puts a colour wherever its fragment is seen.
+    /// Puts colours wherever what they are of is seen.
     #[inline(always)]
-    fn write(&mut self, fragment: &Fragment, colour: [f32; 3]) {
+    fn write<S: Simd>(&mut self, simd: S, group: &Group, [r, g, b]: [&[f32; WIDTH]; 3]) {
         let positions = self.msaa.positions();
         let every = (1u64 << positions) - 1;
-        let [width, height] = fragment.size;
-        for dy in 0..height {
-            for dx in 0..width {
-                let sample = u32::from(dy) * u32::from(width) + u32::from(dx);
-                let seen = fragment.seen >> (sample * positions) & every;
-                if seen == 0 {
-                    continue;
-                }
-                let (x, y) = (fragment.first[0] + dx, fragment.first[1] + dy);
-                let Some(edge) = self.fragments.edge(x.into(), y.into()) else {
-                    self.out[y as usize][x as usize] = colour;
-                    continue;
-                };
-                let edge = &mut self.edges[edge];
-                for (p, out) in edge.iter_mut().enumerate() {
-                    if seen >> p & 1 != 0 {
-                        *out = colour;
+        for lane in 0..group.count.min(WIDTH) {
+            let colour = [r[lane], g[lane], b[lane]];
+            let [x, y] = group.first[lane];
+            if group.size[lane] == [1, 1] {
+                self.put(simd, [x, y], group.seen[lane] & every, colour);
+                continue;
+            }
+            let [width, height] = group.size[lane];
+            for dy in 0..height {
+                for dx in 0..width {
+                    let sample = u32::from(dy) * u32::from(width) + u32::from(dx);
+                    let seen = group.seen[lane] >> (sample * positions) & every;
+                    if seen != 0 {
+                        self.put(simd, [x + dx, y + dy], seen, colour);
                     }
                 }
             }
         }
     }
+
+    /// Puts a colour at the positions of a sample where it is seen.
+    #[inline(always)]
+    fn put<S: Simd>(&mut self, simd: S, [x, y]: [u8; 2], seen: u64, [r, g, b]: [f32; 3]) {
+        let Some(edge) = self.fragments.edge(x.into(), y.into()) else {
+            self.out[y as usize][x as usize] = [r, g, b];
+            return;
+        };
+        // All four positions at once: which of them is hard to foresee.
+        let colour = F::from_slice(
+            simd,
+            &[r, g, b, 0.0, r, g, b, 0.0, r, g, b, 0.0, r, g, b, 0.0],
+        );
+        let here = M::from_bitmask(simd, POSITIONS[seen as usize % POSITIONS.len()].into());
+        let edge = self.edges[edge].0.as_flattened_mut();
+        let old = F::from_slice(simd, edge);
+        here.select(colour, old).store_slice(edge);
+    }
+}
+
+/// Colours at the four positions of visibility of a sample that an edge crosses; the fourth number of each is of no
+/// use.
+#[derive(Debug, Clone, Copy)]
+#[repr(align(64))]
+pub(crate) struct EdgeSample(pub(crate) [[f32; 4]; 4]);
+
+impl EdgeSample {
+    /// No light.
+    pub(crate) const DARK: Self = Self([[0.0; 4]; 4]);
+
+    /// The mean of the four: in pairs, so that four equal colours give that colour, bit for bit.
+    pub(crate) fn mean(&self) -> [f32; 3] {
+        let [a, b, c, d] = self.0;
+        std::array::from_fn(|k| ((a[k] + b[k]) + (c[k] + d[k])) * 0.25)
+    }
+}
+
+/// The numbers of an edge sample that a set of its positions holds.
+const POSITIONS: [u16; 16] = {
+    let mut lanes = [0; 16];
+    let mut set = 0;
+    while set < 16 {
+        let mut p = 0;
+        while p < 4 {
+            if set >> p & 1 != 0 {
+                lanes[set] |= 0xf << (4 * p);
+            }
+            p += 1;
+        }
+        set += 1;
+    }
+    lanes
+};
+
+/// Places, and what each stands for, of samples that a map has put anywhere. No lanes, so it is one function for
+/// all materials.
+#[inline(never)]
+fn find(placed: &PlacedTile, group: &Group) -> [[f32; WIDTH]; 3] {
+    let mut found = [[0.0; WIDTH]; 3];
+    for (lane, &[x, y]) in group.first.iter().enumerate() {
+        let index = index_of(x.into(), y.into());
+        let (block, at) = (index / LANES, index % LANES);
+        let [x, y] = &placed.middle[block];
+        found[0][lane] = x[at] as f32 * PER_SAMPLE;
+        found[1][lane] = y[at] as f32 * PER_SAMPLE;
+        found[2][lane] = placed.width[block][at];
+    }
+    found
 }
 
 /// Samples per sub-sample.

@@ -47,6 +47,7 @@
 
 mod bvh;
 mod check;
+mod chromatic;
 mod error;
 mod feather;
 mod fragments;
@@ -55,6 +56,7 @@ mod inverse;
 mod kernels;
 mod live;
 mod mosaic;
+mod moving;
 mod msaa;
 mod options;
 mod pass;
@@ -74,6 +76,7 @@ mod visible;
 
 pub use error::RenderError;
 pub use frame::{Frame, render, render_into};
+pub use moving::{Bound, BoundCounts, TriangleCount, bound_counts, sample_looks};
 pub use options::{RenderOptions, Simd, Skip};
 pub use pass::{Surfel, visibility, visibility_at};
 pub use stereo::{StereoFrame, StereoShared, render_stereo};

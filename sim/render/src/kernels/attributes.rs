@@ -47,6 +47,8 @@ pub(super) struct Loose {
     pub(super) y: [f32; WIDTH],
     /// 1/w at each.
     pub(super) inverse_w: [f32; WIDTH],
+    /// When each looks, on rolling displays.
+    pub(super) time: [f32; WIDTH],
 }
 
 impl Loose {

@@ -6,6 +6,7 @@ use glam::{DMat3, DVec3};
 use super::Kernel;
 use super::attributes::{Attributes, Details, Loose};
 use super::batch::Batch;
+use super::rolling::Rolling;
 use super::phong::phong;
 use super::sky::{aerial, sky};
 use super::surface::surface;
@@ -13,6 +14,7 @@ use super::terrain::terrain;
 use super::textured::textured;
 use super::wide::{F, I, Simd, V3, WIDTH, apart, max, piece, splat};
 use crate::fragments::{Fragment, Fragments, SKY};
+use crate::moving::MovingAttributes;
 use crate::placed::PlacedTile;
 use crate::project::{Projection, SUBSAMPLES};
 use crate::raster::Needs;
@@ -71,6 +73,8 @@ pub(crate) struct ShadeContext<'a> {
     pub(super) tan_step: [f32; 2],
     /// Width that a sample averages over, as a tangent.
     pub(super) sample_tan: f32,
+    /// How the eye moves during a scan.
+    pub(super) rolling: Option<Rolling>,
 }
 
 impl<'a> ShadeContext<'a> {
@@ -94,7 +98,13 @@ impl<'a> ShadeContext<'a> {
             tan_origin: single(tan_origin),
             tan_step: single(tan_step),
             sample_tan: (projection.tangent_step().abs().max_element() * footprint) as f32,
+            rolling: None,
         }
+    }
+
+    /// The same for an eye that moves during a scan.
+    pub(crate) fn with_rolling(self, rolling: Option<Rolling>) -> Self {
+        Self { rolling, ..self }
     }
 }
 
@@ -129,6 +139,8 @@ pub(crate) struct ShadeTile<'a, 'b> {
     pub(crate) fragments: &'a Fragments,
     /// The triangles that are visible in the tile.
     pub(crate) triangles: &'a [Attributes],
+    /// Of the same, if they move.
+    pub(crate) moving: Option<&'a [MovingAttributes]>,
     /// Of the same; may be empty where no material needs more and each fragment is one sample.
     pub(crate) details: &'a [Details],
     pub(crate) buffers: &'a TileBuffers,
@@ -339,7 +351,14 @@ impl ShadeTile<'_, '_> {
             );
             &loose.inverse_w
         };
+        let time = self.placed.and_then(|placed| placed.time.get(block as usize));
+        let moving = match (self.moving, time) {
+            (Some(moving), Some(time)) => Some((moving, F::from_slice(simd, time))),
+            (Some(moving), None) => Some((moving, splat(simd, 0.0))),
+            (None, _) => None,
+        };
         Batch {
+            moving,
             lattice,
             display,
             inverse_w: F::from_slice(simd, inverse_w),
@@ -364,6 +383,10 @@ impl ShadeTile<'_, '_> {
     ) -> Batch<'e, S> {
         let (coarseness, beside) = self.gather(fragments, loose);
         Batch {
+            moving: match self.moving {
+                Some(moving) => Some((moving, F::from_slice(simd, &loose.time))),
+                None => None,
+            },
             lattice: [F::from_slice(simd, &loose.x), F::from_slice(simd, &loose.y)],
             display,
             inverse_w: F::from_slice(simd, &loose.inverse_w),
@@ -407,8 +430,26 @@ impl ShadeTile<'_, '_> {
                 beside |= 1 << i;
             }
         }
-        loose.find_depth(self.triangles);
+        match self.moving {
+            None => loose.find_depth(self.triangles),
+            Some(_) => self.gather_moving(fragments, loose),
+        }
         (coarseness, beside)
+    }
+
+    /// Depths, as the depth test found them, and times of fragments that are one sample each.
+    fn gather_moving(&self, fragments: &[Fragment], loose: &mut Loose) {
+        for i in 0..WIDTH {
+            let fragment = &fragments[i.min(fragments.len() - 1)];
+            let [x, y] = fragment.first.map(u32::from);
+            let index = index_of(x, y);
+            let (block, lane) = (index / LANES, index % LANES);
+            let seen = self.buffers.depth[block][lane];
+            // Of the sky nothing is read.
+            loose.inverse_w[i] = if seen > 0.0 { seen } else { 1.0 };
+            let time = self.placed.and_then(|placed| placed.time.get(block));
+            loose.time[i] = time.map_or(0.0, |t| t[lane]);
+        }
     }
 
     /// Puts a colour wherever its fragment is seen.

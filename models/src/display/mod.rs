@@ -150,7 +150,8 @@ impl EyePanel {
     /// Its lens over its own image.
     pub fn lens(&self) -> Option<Lens> {
         // Checked when the display was built.
-        self.lens.and_then(|lens| lens.over(self.viewport.size).ok())
+        self.lens
+            .and_then(|lens| lens.over(self.viewport.size).ok())
     }
 
     /// Where this eye turns to look at a point of the head's frame \[m\]: unlike [`in_eye`](Self::in_eye),

@@ -250,7 +250,10 @@ mod tests {
             ),
             ("lms:0.5:0.4:fixed", "lms:0.5:0.4:fixed"),
             ("radial:2", "radial:2"),
-            ("radial:2.0:scale=1:reach=corner:filter=bilinear", "radial:2"),
+            (
+                "radial:2.0:scale=1:reach=corner:filter=bilinear",
+                "radial:2",
+            ),
             (
                 "radial:1.5:fixed:filter=nearest:reach=boundary:scale=0.7",
                 "radial:1.5:scale=0.7:boundary:filter=nearest:fixed",

@@ -240,7 +240,13 @@ mod tests {
         let display = presets::display("lg-w2363d").unwrap();
         let panel = display.primary();
         let screen = Screen::from(&panel.viewport);
-        for text in ["2", "2:boundary", "4:scale=0.5", "1.5:scale=0.7", "1:scale=0.5"] {
+        for text in [
+            "2",
+            "2:boundary",
+            "4:scale=0.5",
+            "1.5:scale=0.7",
+            "1:scale=0.5",
+        ] {
             let settings: RadialSettings = text.parse().unwrap();
             for px in [[960.0, 540.0], [3.0, 1079.0], [1500.0, 100.0]] {
                 let request = Request {
@@ -256,7 +262,10 @@ mod tests {
                 };
                 let rim = 2.0 * f64::from(lattice.x + lattice.y);
                 let more = drawn - found.samples();
-                assert!((-1.0..=rim).contains(&more), "{text} {px:?}: {more} of {drawn}");
+                assert!(
+                    (-1.0..=rim).contains(&more),
+                    "{text} {px:?}: {more} of {drawn}"
+                );
             }
         }
     }

@@ -358,7 +358,11 @@ impl Scene {
     #[must_use]
     pub fn over(&self, [start, end]: [f64; 2]) -> Self {
         let placed = |scene: &Self| -> Vec<Similarity> {
-            scene.instances.iter().map(|i| i.world_from_object).collect()
+            scene
+                .instances
+                .iter()
+                .map(|i| i.world_from_object)
+                .collect()
         };
         let mut scene = self.at(start);
         let ends = placed(&self.at(end));

@@ -112,7 +112,10 @@ mod tests {
                 for (colour, found) in pixel.into_iter().enumerate() {
                     let source = lens.source_of(colour, px).unwrap();
                     let want = source.x + 1000.0 * source.y;
-                    assert!((f64::from(found) - want).abs() < 0.12, "{px}: {found}, {want}");
+                    assert!(
+                        (f64::from(found) - want).abs() < 0.12,
+                        "{px}: {found}, {want}"
+                    );
                 }
                 assert_eq!(pixel[1], image.rgb[(y * size.x + x) as usize][1]);
             }

@@ -5,7 +5,9 @@ use thiserror::Error;
 #[non_exhaustive]
 pub enum RenderError {
     /// The view moves, and nothing says when which pixel lights.
-    #[error("the view moves from its first to its last pose, but has no scan that says when each pixel lights")]
+    #[error(
+        "the view moves from its first to its last pose, but has no scan that says when each pixel lights"
+    )]
     MovingView,
     /// Something that is drawn of still views alone.
     #[error("{what} cannot be drawn of {of}: {valid}")]

@@ -3,7 +3,7 @@ use foveasim_models::{LogPolar, Map, Msaa, SamplePlan, Visibility};
 use glam::{DVec2, UVec2};
 
 use crate::Simd;
-use crate::kernels::{Plain, PlacePolar, PlaceWarped, PolarTable, Seen, dispatch, sub_sample};
+use crate::kernels::{PlacePolar, PlaceWarped, Plain, PolarTable, Seen, dispatch, sub_sample};
 use crate::live::grid;
 use crate::moving::Warp;
 use crate::msaa::offsets;

@@ -52,7 +52,10 @@ pub(crate) struct TileBlocks {
 #[inline(always)]
 pub(crate) fn block_of(part: usize, lane: usize) -> usize {
     let side = 4;
-    let (y, x) = (part / side * side + lane / side, part % side * side + lane % side);
+    let (y, x) = (
+        part / side * side + lane / side,
+        part % side * side + lane % side,
+    );
     y * BLOCKS_ACROSS as usize + x
 }
 
@@ -185,8 +188,8 @@ impl Sixteen {
             for c in 0..3 {
                 let [sx, sy] = [slopes[0][c], slopes[1][c]];
                 let middle = self.centre[c][lane] - (sx * place[0] + sy * place[1]);
-                let turn = (self.slopes[0][c][lane] - sx).abs()
-                    + (self.slopes[1][c][lane] - sy).abs();
+                let turn =
+                    (self.slopes[0][c][lane] - sx).abs() + (self.slopes[1][c][lane] - sy).abs();
                 // Sums here are rounded, too.
                 let most = self.centre[c][lane].abs() + (sx.abs() + sy.abs()) * 2.0 * side;
                 let off = (turn * self.extent + self.residual[c][lane] + most * SLACK) * MORE;
@@ -274,7 +277,11 @@ impl Kernel for FindBlocks<'_> {
                         let r = value - (along[lane] * x + down[lane] * y);
                         low[lane] = if r < low[lane] { r } else { low[lane] };
                         high[lane] = if r > high[lane] { r } else { high[lane] };
-                        least[lane] = if value < least[lane] { value } else { least[lane] };
+                        least[lane] = if value < least[lane] {
+                            value
+                        } else {
+                            least[lane]
+                        };
                         greatest[lane] = if value > greatest[lane] {
                             value
                         } else {
@@ -391,7 +398,8 @@ impl Sixteen {
             #[inline(always)]
             |axis| {
                 let slope = [x, y][axis];
-                F::from_slice(simd, &slope[0]) * value[0] + F::from_slice(simd, &slope[1]) * value[1]
+                F::from_slice(simd, &slope[0]) * value[0]
+                    + F::from_slice(simd, &slope[1]) * value[1]
             },
         );
         if target.moves {

@@ -193,10 +193,7 @@ impl Plain {
                     #[inline(always)]
                     |k| lattice[k] * scale[k] + origin[k],
                 ),
-                steps: [
-                    [splat(simd, scale[0]), zero],
-                    [zero, splat(simd, scale[1])],
-                ],
+                steps: [[splat(simd, scale[0]), zero], [zero, splat(simd, scale[1])]],
             },
             Self::Radial(map) => map.place(simd, lattice),
         }

@@ -6,8 +6,8 @@ use glam::{DMat3, DVec3};
 use super::Kernel;
 use super::attributes::{Attributes, Details, Loose};
 use super::batch::Batch;
-use super::rolling::Rolling;
 use super::phong::phong;
+use super::rolling::Rolling;
 use super::sky::{aerial, sky};
 use super::surface::surface;
 use super::terrain::terrain;
@@ -351,7 +351,9 @@ impl ShadeTile<'_, '_> {
             );
             &loose.inverse_w
         };
-        let time = self.placed.and_then(|placed| placed.time.get(block as usize));
+        let time = self
+            .placed
+            .and_then(|placed| placed.time.get(block as usize));
         let moving = match (self.moving, time) {
             (Some(moving), Some(time)) => Some((moving, F::from_slice(simd, time))),
             (Some(moving), None) => Some((moving, splat(simd, 0.0))),

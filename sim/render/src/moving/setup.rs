@@ -209,8 +209,8 @@ impl Kernel for &mut SetUpJob<'_> {
             } = *self.pass;
             let place = geometry.objects[object as usize];
             let corners = Corners::new(self.pass, &place);
-            let both_faces = !options.skip.back_faces
-                || scene.instances()[place.instance as usize].two_sided;
+            let both_faces =
+                !options.skip.back_faces || scene.instances()[place.instance as usize].two_sided;
             let triangles = scene.meshes()[place.mesh as usize].triangles();
             self.work.triangles += range.len() as u64;
             for index in range {

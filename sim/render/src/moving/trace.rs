@@ -69,9 +69,7 @@ pub(crate) fn trace_moving(
                 };
                 let wins = match found {
                     None => true,
-                    Some((d, other)) => {
-                        depth > *d || (depth == *d && name(t) < name(other))
-                    }
+                    Some((d, other)) => depth > *d || (depth == *d && name(t) < name(other)),
                 };
                 if wins {
                     *found = Some((depth, t));

@@ -87,7 +87,10 @@ impl Target {
             }
         }
         let depth_range = match in_front {
-            true => [(1.0 / most) as f32, (1.0 / least).min(f32::MAX.into()) as f32],
+            true => [
+                (1.0 / most) as f32,
+                (1.0 / least).min(f32::MAX.into()) as f32,
+            ],
             false => [(1.0 / most) as f32, f32::MAX],
         };
         let edges = *forms.edges();
@@ -128,7 +131,11 @@ impl Target {
             true => ((d3 * t + d2) * t + d1) * t + d0,
             false => d0,
         };
-        let e = [form(&self.edges[0]), form(&self.edges[1]), form(&self.edges[2])];
+        let e = [
+            form(&self.edges[0]),
+            form(&self.edges[1]),
+            form(&self.edges[2]),
+        ];
         let front = volume < 0.0 && e.iter().all(|e| *e <= 0.0);
         let back = self.both_faces && volume > 0.0 && e.iter().all(|e| *e >= 0.0);
         if !(front || back) {
@@ -145,12 +152,7 @@ impl Target {
 /// Whether a polynomial of third degree is nowhere negative from 0 to 1 by its Bézier points.
 fn is_never_negative(d: [f32; 4]) -> bool {
     let [a, b, c, d] = d.map(f64::from);
-    let points = [
-        a,
-        a + b / 3.0,
-        a + b * (2.0 / 3.0) + c / 3.0,
-        a + b + c + d,
-    ];
+    let points = [a, a + b / 3.0, a + b * (2.0 / 3.0) + c / 3.0, a + b + c + d];
     // Far above what f32 and these sums can round.
     let slack = 1e-5 * (a.abs() + b.abs() + c.abs() + d.abs());
     points.iter().all(|p| *p >= slack)

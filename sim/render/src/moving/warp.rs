@@ -52,10 +52,17 @@ const FARTHEST: f64 = 65_536.0;
 /// largest at an end or where it turns.
 fn most_growth(lens: &Lens, size: UVec2) -> f64 {
     let [k1, k2] = lens.coefficients();
-    let far = lens.centre_px().abs().max((size.as_dvec2() - lens.centre_px()).abs());
+    let far = lens
+        .centre_px()
+        .abs()
+        .max((size.as_dvec2() - lens.centre_px()).abs());
     let last = far.length_squared() / (lens.unit_px() * lens.unit_px());
     let at = |q: f64| 1.0 + q * (k1 + q * k2);
     let turn = -k1 / (2.0 * k2);
-    let turn = if turn > 0.0 && turn < last { at(turn) } else { 1.0 };
+    let turn = if turn > 0.0 && turn < last {
+        at(turn)
+    } else {
+        1.0
+    };
     at(last).max(turn)
 }

@@ -50,12 +50,13 @@ pub(crate) fn count_tests(
         out.add_tile(tile.origin, tile.size, counts);
         let of_tile = moving.targets.iter().zip(&counts.triangles);
         let tested = of_tile.filter(|(_, [tested, _])| *tested > 0);
-        out.triangles.extend(tested.map(|(t, [tested, covered])| crate::TriangleCount {
-            instance: geometry.objects[t.object as usize].instance,
-            triangle: t.triangle,
-            tested: *tested,
-            covered: *covered,
-        }));
+        out.triangles
+            .extend(tested.map(|(t, [tested, covered])| crate::TriangleCount {
+                instance: geometry.objects[t.object as usize].instance,
+                triangle: t.triangle,
+                tested: *tested,
+                covered: *covered,
+            }));
     }
     out.work = work;
     Ok(())

@@ -122,7 +122,6 @@ impl ViewGeometry {
         }
     }
 
-
     /// The same vertices as seen by an eye of the head that these are seen from; `work` is what stands for
     /// them.
     pub(crate) fn seen_by(&self, eye_from_head: Pose, optics: &Optics, work: Work) -> Self {

@@ -3,7 +3,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::gaze::angle_deg;
 use crate::math::{atan, atan_deg, hypot, sqrt, to_deg};
-use crate::{GazeDirection, ModelError, PixelDensity, Pose, Rect};
+use crate::plan::Map;
+use crate::raster::Sampling;
+use crate::{GazeDirection, Lens, ModelError, PixelDensity, Pose, Rect, ScanSkew};
 
 /// Whose image it is.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -176,16 +178,21 @@ impl Viewport {
 
 /// All that a renderer must know about one image: whose it is, through what, and from where.
 ///
-/// `poses` are `world_from_eye` when the first and the last row are scanned. They are equal for a
-/// still view; a renderer that cannot draw a moving one must refuse it.
+/// `poses` are `world_from_eye` at the scan's start and end. They are equal for a
+/// still view; a renderer that cannot draw a moving one must refuse it. [`Sampling`](crate::raster::Sampling) puts scan, lens
+/// and the map of a pass together.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View {
     /// Whose image.
     pub eye: Eye,
-    /// The image plane.
+    /// The image plane: pixels of the display as they are seen without a lens.
     pub optics: Viewport,
-    /// `world_from_eye` at the first and the last row.
+    /// `world_from_eye` at the scan's start and end, t = 0 and 1.
     pub poses: [Pose; 2],
+    /// When each pixel lights between them; without it all do at the start.
+    pub scan: Option<ScanSkew>,
+    /// The lens through which the display is seen: where `optics` has the light of a display position.
+    pub lens: Option<Lens>,
 }
 
 impl View {
@@ -195,12 +202,39 @@ impl View {
             eye,
             optics,
             poses: [world_from_eye; 2],
+            scan: None,
+            lens: None,
         }
+    }
+
+    /// A view on a rolling display, `world_from_eye` at t = 0 and at t = 1 of its scan.
+    pub fn rolling(eye: Eye, optics: Viewport, world_from_eye: [Pose; 2], scan: ScanSkew) -> Self {
+        Self {
+            poses: world_from_eye,
+            scan: Some(scan),
+            ..Self::still(eye, optics, world_from_eye[0])
+        }
+    }
+
+    /// The same seen through a lens, or none.
+    #[must_use]
+    pub fn seen_through(self, lens: Option<Lens>) -> Self {
+        Self { lens, ..self }
     }
 
     /// Whether the view stays where it is while it is scanned.
     pub fn is_still(&self) -> bool {
         self.poses[0] == self.poses[1]
+    }
+
+    /// Where and when the samples of a map look.
+    pub fn sampling(&self, map: Map) -> Sampling {
+        Sampling {
+            map,
+            lens: self.lens,
+            scan: self.scan,
+            display_px: self.optics.size.as_dvec2(),
+        }
     }
 }
 

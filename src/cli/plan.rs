@@ -44,9 +44,11 @@ Methods, settings in brackets:
   efr:SIGMA_D:SIGMA_ND   the same, coarser for the eye that is not dominant [dominant=left|right;
             alpha=ALPHA; those of kfr], as in efr:2:3:dominant=left
   lms:A:B   lens-matched shading: four quadrants with w' = w + A|x| + B|y|, as in lms:0.5:0.5
+  radial:K  a buffer that magnifies the fovea, d_display = R*(d_buffer/R)^K, K from 1 to 16 [scale=S lattice
+            steps per buffer pixel; R is reach=corner|boundary; filter=nearest], as in radial:2:scale=0.6
 All but full may be fixed or fixed=DEG: straight ahead whatever the gaze, and as sharp as the eye
 wherever that looks within so many degrees (15). layers:N without strict and quad without auto do not
-promise to meet the acuity line everywhere. kfr, efr and lms put their samples where their settings
+promise to meet the acuity line everywhere. kfr, efr, lms and radial put their samples where their settings
 say: `foveasim plan kernel` finds the ones that meet it.
 
 Columns: method_samples is the closed form and may be a fraction; plan_samples is the whole number
@@ -54,7 +56,7 @@ that is drawn. sample_ratio counts every layer, sample_ratio_staggered those dra
 frame half. shading_ratio counts evaluations of shading, which vrs has fewer of than samples.
 ideal_ratio is a density that falls off continuously: no method with the same acuity and margin
 saves more. tracked_over_fixed: how many times more samples the method shades if fixed (fixed=15
-unless it says) than if tracked, of the same quality; empty for kfr, efr and lms. extrapolated: the screen reaches farther from
+unless it says) than if tracked, of the same quality; empty for kfr, efr, lms and radial. extrapolated: the screen reaches farther from
 the gaze than slopes were measured.
 Where a display has two eyes, samples are those of both, pixels and layers those of one."
 )]

@@ -1,7 +1,7 @@
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize};
 
-use super::{EyePanel, Geometry, pixels};
+use super::{EyePanel, Geometry, LensSpec, pixels};
 use crate::error::{above, in_range};
 use crate::math::{tan_deg, to_rad};
 use crate::{Eye, ModelError, Pose, Viewport};
@@ -28,6 +28,10 @@ pub struct HmdSpec {
     /// Distance between the eyes \[m\].
     #[serde(default = "mean_ipd")]
     pub ipd_m: f64,
+    /// The left eye's lens, if its distortion is to be drawn; the right eye's is mirrored. `fov_deg` is what the
+    /// image plane holds.
+    #[serde(default)]
+    pub lens: Option<LensSpec>,
 }
 
 fn one_by_one() -> [f64; 2] {
@@ -66,6 +70,13 @@ impl HmdSpec {
             } else {
                 (inward, outward)
             };
+            let lens = self.lens.map(|lens| match eye {
+                Eye::Right => lens.mirrored(),
+                _ => lens,
+            });
+            if let Some(lens) = lens {
+                lens.over(size.into())?;
+            }
             let turn = DQuat::from_axis_angle(DVec3::Y, -side * to_rad(self.cant_deg));
             Ok(EyePanel {
                 eye,
@@ -73,6 +84,7 @@ impl HmdSpec {
                 panel_px,
                 head_from_eye: Pose::new(DVec3::X * (side * self.ipd_m / 2.0), turn),
                 hidden_area_fraction: self.hidden_area_fraction,
+                lens,
             })
         };
         Ok((

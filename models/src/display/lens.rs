@@ -6,7 +6,7 @@ use crate::error::{above, in_range};
 use crate::math::{hypot, sqrt};
 
 /// A lens between panel and eye, as people write it (TOML).
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LensSpec {
     /// k₁ and k₂ of 1 + k₁·r² + k₂·r⁴.
@@ -35,6 +35,16 @@ fn alike() -> [f64; 3] {
 }
 
 impl LensSpec {
+    /// The other eye's.
+    #[must_use]
+    pub fn mirrored(self) -> Self {
+        let [x, y] = self.centre;
+        Self {
+            centre: [1.0 - x, y],
+            ..self
+        }
+    }
+
     /// The lens over an image of `image_px`.
     ///
     /// # Errors
@@ -114,6 +124,26 @@ impl Lens {
             return Err(ModelError::range("lens coefficients", value, valid));
         }
         Ok(lens)
+    }
+
+    /// Where its axis meets the image \[px\].
+    pub fn centre_px(&self) -> DVec2 {
+        self.centre_px
+    }
+
+    /// The pixels of r = 1.
+    pub fn unit_px(&self) -> f64 {
+        self.unit_px
+    }
+
+    /// k₁ and k₂.
+    pub fn coefficients(&self) -> [f64; 2] {
+        self.coefficients
+    }
+
+    /// How much larger red, green and blue are seen.
+    pub fn chromatic(&self) -> [f64; 3] {
+        self.chromatic
     }
 
     /// The r up to which the polynomial grows and has an inverse; infinite if it always does.

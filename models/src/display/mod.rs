@@ -54,6 +54,8 @@ pub struct EyePanel {
     /// Fraction of the eye buffer that the optics never show. Sample counts of sweeps leave it out of
     /// the display and of the layer that fills it; the reference renderer draws the whole buffer.
     pub hidden_area_fraction: f64,
+    /// The lens before it, if its distortion is known. Its image plane is `viewport`.
+    pub lens: Option<LensSpec>,
 }
 
 /// What kind of display it is.
@@ -139,9 +141,17 @@ impl Display {
 
 impl EyePanel {
     /// What this eye sees of the world when the head is at `world_from_head`.
+    /// With its lens, if it has one.
     pub fn view(&self, world_from_head: Pose) -> View {
         let world_from_eye = world_from_head.then(self.head_from_eye);
-        View::still(self.eye, self.viewport, world_from_eye)
+        View::still(self.eye, self.viewport, world_from_eye).seen_through(self.lens())
+    }
+
+    /// Its lens over its own image.
+    pub fn lens(&self) -> Option<Lens> {
+        // Checked when the display was built.
+        self.lens
+            .and_then(|lens| lens.over(self.viewport.size).ok())
     }
 
     /// Where this eye turns to look at a point of the head's frame \[m\]: unlike [`in_eye`](Self::in_eye),

@@ -29,6 +29,7 @@ impl PlanarSpec {
             panel_px: px,
             head_from_eye: Pose::IDENTITY,
             hidden_area_fraction: 0.0,
+            lens: None,
         };
         let (width_m, distance_m) = (self.width_m, self.distance_m);
         Ok((

@@ -4,7 +4,7 @@ use std::str::FromStr;
 use super::need::Need;
 use super::{
     Aim, DominanceSettings, Estimate, KernelSettings, LayersSettings, LensMatchedSettings,
-    QuadSettings, RatesSettings, Screen, TileSettings, fdm, kfr, request, vrs,
+    QuadSettings, RadialSettings, RatesSettings, Screen, TileSettings, fdm, kfr, request, vrs,
 };
 use crate::{Acuity, Eye, GazeDirection, ModelError, unknown_name};
 
@@ -12,8 +12,8 @@ use crate::{Acuity, Eye, GazeDirection, ModelError, unknown_name};
 /// of [`LayersSettings`] (`layers:3:strict:s2=2`); `vrs` and `fdm` with those of [`TileSettings`]
 /// (`vrs:tile=8`); `rates` with those of [`RatesSettings`]; `quad` with those of [`QuadSettings`]
 /// (`quad:auto`); `kfr:SIGMA:ALPHA` with those of [`KernelSettings`] (`kfr:2:4:published`),
-/// `efr:SIGMA_D:SIGMA_ND` with those of [`DominanceSettings`] and `lms:A:B` with those of
-/// [`LensMatchedSettings`]. All but `full` can be `fixed` (see [`Aim`]).
+/// `efr:SIGMA_D:SIGMA_ND` with those of [`DominanceSettings`], `lms:A:B` with those of
+/// [`LensMatchedSettings`] and `radial:K` with those of [`RadialSettings`]. All but `full` can be `fixed` (see [`Aim`]).
 #[derive(Debug, Clone, Copy, PartialEq)]
 #[non_exhaustive]
 pub enum Method {
@@ -35,11 +35,13 @@ pub enum Method {
     Efr(DominanceSettings),
     /// Lens-matched shading: four quadrants that shrink outwards.
     Lms(LensMatchedSettings),
+    /// A buffer that magnifies the fovea (Friston 2019).
+    Radial(RadialSettings),
 }
 
 /// The methods' names.
-const NAMES: [&str; 9] = [
-    "full", "layers", "vrs", "fdm", "rates", "quad", "kfr", "efr", "lms",
+const NAMES: [&str; 10] = [
+    "full", "layers", "vrs", "fdm", "rates", "quad", "kfr", "efr", "lms", "radial",
 ];
 
 impl Method {
@@ -54,6 +56,7 @@ impl Method {
             Self::Kfr(settings) => settings.aim(),
             Self::Efr(settings) => settings.aim(),
             Self::Lms(settings) => settings.aim(),
+            Self::Radial(settings) => settings.aim(),
         }
     }
 
@@ -70,6 +73,7 @@ impl Method {
             Self::Kfr(settings) => Self::Kfr(settings.with_aim(aim)),
             Self::Efr(settings) => Self::Efr(settings.with_aim(aim)),
             Self::Lms(settings) => Self::Lms(settings.with_aim(aim)),
+            Self::Radial(settings) => Self::Radial(settings.with_aim(aim)),
         }
     }
 
@@ -86,7 +90,7 @@ impl Method {
     /// neither made finer where the eye would see the difference nor, if fixed, for an eye that turns.
     pub fn is_given(&self) -> bool {
         match self {
-            Self::Kfr(_) | Self::Efr(_) | Self::Lms(_) => true,
+            Self::Kfr(_) | Self::Efr(_) | Self::Lms(_) | Self::Radial(_) => true,
             Self::Full
             | Self::Layers(_)
             | Self::Vrs(_)
@@ -134,6 +138,7 @@ impl Method {
             Self::Kfr(settings) => kfr::estimate(settings, screen, gaze)?,
             Self::Efr(settings) => kfr::estimate(&settings.of_eye(Eye::Cyclopean), screen, gaze)?,
             Self::Lms(settings) => settings.estimate(screen, gaze)?,
+            Self::Radial(settings) => settings.estimate(screen, gaze)?,
         })
     }
 
@@ -173,6 +178,7 @@ impl FromStr for Method {
             ("kfr", settings) => settings.unwrap_or_default().parse().map(Self::Kfr),
             ("efr", settings) => settings.unwrap_or_default().parse().map(Self::Efr),
             ("lms", settings) => settings.unwrap_or_default().parse().map(Self::Lms),
+            ("radial", settings) => settings.unwrap_or_default().parse().map(Self::Radial),
             _ => Err(unknown_name("method", name, &NAMES)),
         }
     }
@@ -190,6 +196,7 @@ impl fmt::Display for Method {
             Self::Kfr(settings) => write!(f, "kfr{settings}"),
             Self::Efr(settings) => write!(f, "efr{settings}"),
             Self::Lms(settings) => write!(f, "lms{settings}"),
+            Self::Radial(settings) => write!(f, "radial{settings}"),
         }
     }
 }
@@ -242,6 +249,15 @@ mod tests {
                 "efr:2:3:dominant=left:alpha=0.25:published",
             ),
             ("lms:0.5:0.4:fixed", "lms:0.5:0.4:fixed"),
+            ("radial:2", "radial:2"),
+            (
+                "radial:2.0:scale=1:reach=corner:filter=bilinear",
+                "radial:2",
+            ),
+            (
+                "radial:1.5:fixed:filter=nearest:reach=boundary:scale=0.7",
+                "radial:1.5:scale=0.7:boundary:filter=nearest:fixed",
+            ),
         ] {
             let method: Method = text.parse().unwrap();
             assert_eq!(method.to_string(), canonical);
@@ -275,6 +291,7 @@ mod tests {
             "kfr:2:0.25:published",
             "efr:2:3",
             "lms:1:0.5",
+            "radial:2:scale=0.5",
         ] {
             assert!(estimate(method, 0.0, 0.0, 0.0).unwrap().samples() > 0.0);
             for (az, el, margin, field) in [
@@ -369,6 +386,16 @@ mod tests {
             ("lms:1", "B of lms = : must be a number from 0 to 20"),
             ("lms:-1:0", "A of lms = -1"),
             ("lms:1:1:smooth", "unknown setting of lms `smooth`"),
+            (
+                "radial",
+                "exponent of radial = : must be a number from 1 to 16, as in radial:2",
+            ),
+            ("radial:0.5", "exponent of radial = 0.5: must be"),
+            ("radial:nan", "exponent of radial = nan"),
+            ("radial:2:scale=0", "scale = 0: must be a number from 0.05"),
+            ("radial:2:scale", "scale = : must be a number"),
+            ("radial:2:reach=edge", "unknown reach `edge`"),
+            ("radial:2:bounary", "did you mean `boundary`?"),
         ] {
             let error = text.parse::<Method>().unwrap_err().to_string();
             assert!(error.contains(expect), "{text}: {error}");

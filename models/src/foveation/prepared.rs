@@ -68,6 +68,7 @@ impl Prepared {
                 kfr::plan(self.method.to_string(), &own, &request)?
             }
             (Method::Lms(settings), _) => settings.plan(&request)?,
+            (Method::Radial(settings), _) => settings.plan(&request)?,
             _ => SamplePlan::full(request.eye, request.viewport.size),
         })
     }
@@ -97,6 +98,8 @@ mod tests {
             "kfr:2:0.25:published:fixed",
             "efr:2:3",
             "lms:0.5:1",
+            "radial:2",
+            "radial:1:scale=0.5:fixed",
         ] {
             let method: Method = text.parse().unwrap();
             let prepared = method.prepare(&ahead).unwrap();

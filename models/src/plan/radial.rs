@@ -62,7 +62,17 @@ impl Radial {
         reach: Reach,
         scale: f64,
     ) -> Result<Self, ModelError> {
-        let size = display_px.as_dvec2();
+        Self::over(gaze_px, display_px.as_dvec2(), falloff, reach, scale)
+    }
+
+    /// The same on a display whose pixel counts may be fractions.
+    pub(crate) fn over(
+        gaze_px: DVec2,
+        size: DVec2,
+        falloff: Falloff,
+        reach: Reach,
+        scale: f64,
+    ) -> Result<Self, ModelError> {
         in_range("gaze x [px]", gaze_px.x, 0.0..=size.x)?;
         in_range("gaze y [px]", gaze_px.y, 0.0..=size.y)?;
         above("scale of a radial map", scale, 0.0, 64.0)?;

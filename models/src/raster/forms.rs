@@ -20,6 +20,8 @@ pub struct Forms<T> {
     pub(super) edges: [[[T; 3]; 3]; 3],
     /// By power of t.
     pub(super) volume: [T; 4],
+    /// Σ Nᵢ in the scale of the volume, by power of t and component: 1/λ = d·plane(t)/D(t).
+    plane: [[T; 3]; 3],
     facing: Facing,
 }
 
@@ -51,12 +53,14 @@ impl<T: Real> Forms<T> {
             p.dot(n2) + p_dot.dot(n1),
             p_dot.dot(n2),
         ];
+        let plane = [0, 1, 2].map(|p| edges[0][p] + edges[1][p] + edges[2][p]);
         let edges = edges.map(|edge| edge.map(|n| n.to_array()));
         let edge_scale = scale(edges.as_flattened().as_flattened())?;
         let volume_scale = scale(&volume)?;
         Some(Self {
             edges: edges.map(|edge| edge.map(|n| n.map(|x| T::nearest(x * edge_scale)))),
             volume: volume.map(|x| T::nearest(x * volume_scale)),
+            plane: plane.map(|n| n.to_array().map(|x| T::nearest(x * volume_scale))),
             facing,
         })
     }
@@ -64,6 +68,22 @@ impl<T: Real> Forms<T> {
     /// Which sides can be seen.
     pub fn facing(&self) -> Facing {
         self.facing
+    }
+
+    /// The coefficients of the edges Nᵢ: by edge, power of t, and component.
+    pub fn edges(&self) -> &[[[T; 3]; 3]; 3] {
+        &self.edges
+    }
+
+    /// The coefficients of D, by power of t.
+    pub fn volume_coefficients(&self) -> &[T; 4] {
+        &self.volume
+    }
+
+    /// The coefficients of Σ Nᵢ by power of t and component, in the scale of D: the 1/λ of what a sample
+    /// (u, v, t) sees is d·Σ Nᵢ(t)/D(t).
+    pub fn plane(&self) -> &[[T; 3]; 3] {
+        &self.plane
     }
 
     /// e of edge `i` (opposite corner `i`) at a sample.

@@ -20,6 +20,8 @@ pub struct Mesh {
     normals: [Vec<f32>; 3],
     uvs: [Vec<f32>; 2],
     triangles: Vec<[u32; 3]>,
+    /// Positions at the end of a scan, if vertices move by themselves.
+    end_positions: Option<[Vec<f32>; 3]>,
     centre: DVec3,
     radius: f64,
 }
@@ -104,6 +106,7 @@ impl Mesh {
             normals: columns(&|v| v.normal.normalize().to_array()),
             uvs: [u, v],
             triangles,
+            end_positions: None,
             centre,
             // Rounding a position to f32 may move it outwards by half a unit in the last place.
             radius: radius + LARGEST_M.min(centre.length() + radius) * f64::from(f32::EPSILON),
@@ -113,6 +116,38 @@ impl Mesh {
     /// x, y and z of all vertices \[m\].
     pub fn positions(&self) -> &[Vec<f32>; 3] {
         &self.positions
+    }
+
+    /// The same mesh whose vertices move within a scan, evenly and straight, from where they are to where
+    /// `end` has them: a function of a vertex's position \[m\]. Normals stay as they are.
+    ///
+    /// # Errors
+    /// If a vertex would leave ±1e6 m.
+    pub fn moving_to(mut self, end: impl Fn(DVec3) -> DVec3) -> Result<Self, MeshError> {
+        let mut columns = [(); 3].map(|()| Vec::with_capacity(self.vertex_count()));
+        let mut farthest = self.radius;
+        for index in 0..self.vertex_count() {
+            let position = end(self.position(index as u32));
+            let vertex = Vertex {
+                position,
+                normal: DVec3::Z,
+                uv: [0.0; 2],
+            };
+            check(index, &vertex)?;
+            let rounding = position.length() * f64::from(f32::EPSILON);
+            farthest = farthest.max(position.distance(self.centre) + rounding);
+            for (column, value) in columns.iter_mut().zip(position.to_array()) {
+                column.push(value as f32);
+            }
+        }
+        self.radius = farthest;
+        self.end_positions = Some(columns);
+        Ok(self)
+    }
+
+    /// x, y and z of all vertices at the end of a scan \[m\], if they move within it.
+    pub fn end_positions(&self) -> Option<&[Vec<f32>; 3]> {
+        self.end_positions.as_ref()
     }
 
     /// x, y and z of all normals, unit length.
@@ -135,7 +170,7 @@ impl Mesh {
         self.positions[0].len()
     }
 
-    /// Centre \[m\] and radius \[m\] of a sphere that holds all vertices.
+    /// Centre \[m\] and radius \[m\] of a sphere that holds all vertices, wherever they move within a scan.
     pub fn bounds(&self) -> (DVec3, f64) {
         (self.centre, self.radius)
     }

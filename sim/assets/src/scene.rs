@@ -39,6 +39,8 @@ pub struct Scene {
     textures: Arc<[Texture]>,
     motions: Arc<[Motion]>,
     instances: Vec<Instance>,
+    /// Where instances are at the end of a span of time; empty for a moment.
+    ends: Vec<Similarity>,
     materials: Vec<Material>,
     sky: Sky,
     sun: Sun,
@@ -324,6 +326,7 @@ impl Scene {
             textures: textures.into(),
             motions: motions.into(),
             instances,
+            ends: Vec::new(),
             materials,
             sky,
             sun,
@@ -342,10 +345,45 @@ impl Scene {
     #[must_use]
     pub fn at(&self, seconds: f64) -> Self {
         let mut scene = self.clone();
+        scene.ends = Vec::new();
         for motion in self.motions.iter() {
             scene.instances[motion.instance].world_from_object = motion.at(seconds);
         }
         scene
+    }
+
+    /// The scene from one time to another, as a scan takes it: placed as at the first, and it knows where
+    /// instances are at the second. In between each vertex moves evenly on a straight line, so
+    /// that what turns by θ shrinks by 1 − cos(θ/2) midway.
+    #[must_use]
+    pub fn over(&self, [start, end]: [f64; 2]) -> Self {
+        let placed = |scene: &Self| -> Vec<Similarity> {
+            scene
+                .instances
+                .iter()
+                .map(|i| i.world_from_object)
+                .collect()
+        };
+        let mut scene = self.at(start);
+        let ends = placed(&self.at(end));
+        if ends != placed(&scene) {
+            scene.ends = ends;
+        }
+        scene
+    }
+
+    /// Where instance `instance` is at the end of the scene's span of time: where it is, for a moment.
+    ///
+    /// # Panics
+    /// If there is no such instance.
+    pub fn world_from_object_at_end(&self, instance: usize) -> Similarity {
+        let here = self.instances[instance].world_from_object;
+        self.ends.get(instance).copied().unwrap_or(here)
+    }
+
+    /// Whether anything moves within the scene's span of time, instances or vertices of meshes.
+    pub fn is_moving(&self) -> bool {
+        !self.ends.is_empty() || self.meshes.iter().any(|m| m.end_positions().is_some())
     }
 
     /// All meshes.

@@ -1,10 +1,13 @@
 //! What can be drawn, and what is refused.
 
+use foveasim_assets::Scene;
 use foveasim_models::{
-    Affine, Lattice, Map, Pass, Region, Resolve, SamplePlan, Shading, View, Viewport, Visibility,
+    Affine, Lattice, Map, Msaa, Pass, Pose, Region, Resolve, SamplePlan, Shading, View, Viewport,
+    Visibility,
 };
 use glam::UVec2;
 
+use crate::moving::Warp;
 use crate::{RenderError, RenderOptions, live, mosaic};
 
 /// Most samples along one side of a pass.
@@ -24,6 +27,7 @@ const LARGEST_ORIGIN: f64 = 65_536.0;
 
 /// Refuses what cannot be drawn.
 pub(crate) fn check(
+    scene: &Scene,
     view: &View,
     plan: &SamplePlan,
     options: &RenderOptions,
@@ -47,6 +51,9 @@ pub(crate) fn check(
         };
         check_pass(p, view).map_err(refuse)?;
         check_sharing(plan, index).map_err(refuse)?;
+        if Warp::of(scene, view, options).is_some() {
+            check_warped(p).map_err(refuse)?;
+        }
         samples += p.lattice.samples();
     }
     if samples > MOST_SAMPLES {
@@ -56,14 +63,36 @@ pub(crate) fn check(
             valid: format!("at most {MOST_SAMPLES}"),
         });
     }
-    check_resolve(plan).map_err(|why| RenderError::Resolve {
+    let resolve = |why| RenderError::Resolve {
         method: plan.method.clone(),
         why,
-    })
+    };
+    if view.lens.is_some() && matches!(plan.resolve, Resolve::Feather(_)) {
+        let why = "layers blend by eccentricity on the display, which a lens changes";
+        return Err(resolve(why.into()));
+    }
+    check_resolve(plan).map_err(resolve)
+}
+
+/// What is drawn of moving triangles: one position of visibility and one evaluation of shading per sample.
+fn check_warped(pass: &Pass) -> Result<(), String> {
+    const HERE: &str = "on a rolling display, through a lens or with a bound asked for";
+    match pass.visibility {
+        Visibility::Own(Msaa::One) => {}
+        Visibility::Own(_) => {
+            return Err(format!("samples have one position of visibility {HERE}"));
+        }
+        _ => return Err(format!("passes cannot share visibility {HERE}")),
+    }
+    match pass.shading {
+        Shading::PerSample => Ok(()),
+        Shading::Nowhere => Err(format!("passes cannot share visibility {HERE}")),
+        _ => Err(format!("each sample must be shaded by itself {HERE}")),
+    }
 }
 
 fn check_view(view: &View) -> Result<(), RenderError> {
-    if !view.is_still() {
+    if !view.is_still() && view.scan.is_none() {
         return Err(RenderError::MovingView);
     }
     let range = |field, value: String, valid: &str| {
@@ -73,16 +102,8 @@ fn check_view(view: &View) -> Result<(), RenderError> {
             valid: valid.into(),
         })
     };
-    let pose = view.poses[0];
-    if !(pose.position.is_finite() && pose.position.abs().max_element() <= 1e6) {
-        return range("eye position", pose.position.to_string(), "within ±1e6 m");
-    }
-    if !is_unit(pose.orientation.length()) {
-        return range(
-            "eye orientation",
-            pose.orientation.to_string(),
-            "a unit quaternion",
-        );
+    for pose in view.poses {
+        check_pose(pose)?;
     }
     let size = view.optics.size;
     if size.min_element() == 0 || size.max_element() > LARGEST_SIDE {
@@ -93,6 +114,27 @@ fn check_view(view: &View) -> Result<(), RenderError> {
         );
     }
     check_optics(&view.optics)
+}
+
+fn check_pose(pose: Pose) -> Result<(), RenderError> {
+    let range = |field, value: String, valid: &str| {
+        Err(RenderError::OutOfRange {
+            field,
+            value,
+            valid: valid.into(),
+        })
+    };
+    if !(pose.position.is_finite() && pose.position.abs().max_element() <= 1e6) {
+        return range("eye position", pose.position.to_string(), "within ±1e6 m");
+    }
+    if !is_unit(pose.orientation.length()) {
+        return range(
+            "eye orientation",
+            pose.orientation.to_string(),
+            "a unit quaternion",
+        );
+    }
+    Ok(())
 }
 
 /// A view's optics can be built without the checks of their constructor.
@@ -170,7 +212,7 @@ fn check_pass(pass: &Pass, view: &View) -> Result<(), String> {
                 "its gaze is at {gaze}: within ±{LARGEST_FROM_AXIS_PX} pixels, or single precision cannot look pixels up"
             ));
         }
-        Map::LogPolar(_) | Map::LensMatched(_) => {}
+        Map::LogPolar(_) | Map::LensMatched(_) | Map::Radial(_) => {}
         other => return Err(format!("cannot draw a map of kind {other:?}")),
     }
     let grid = live::grid(pass);

@@ -4,9 +4,21 @@ use thiserror::Error;
 #[derive(Debug, Clone, PartialEq, Error)]
 #[non_exhaustive]
 pub enum RenderError {
-    /// The view moves while it is scanned.
-    #[error("the view moves between its first and last row; only still views can be drawn")]
+    /// The view moves, and nothing says when which pixel lights.
+    #[error(
+        "the view moves from its first to its last pose, but has no scan that says when each pixel lights"
+    )]
     MovingView,
+    /// Something that is drawn of still views alone.
+    #[error("{what} cannot be drawn of {of}: {valid}")]
+    Still {
+        /// What was asked for.
+        what: &'static str,
+        /// Of which view.
+        of: &'static str,
+        /// What can be.
+        valid: &'static str,
+    },
     /// The view or an option has a number that cannot be used.
     #[error("{field} = {value}: must be {valid}")]
     OutOfRange {

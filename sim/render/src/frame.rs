@@ -3,6 +3,7 @@ use foveasim_models::{Image, Resolve, SamplePlan, View, Work};
 use glam::UVec2;
 
 use crate::check::check;
+use crate::chromatic::separate;
 use crate::pass::PassMemory;
 use crate::passes::draw_passes;
 use crate::{RenderError, RenderOptions, resolve};
@@ -27,7 +28,7 @@ pub struct Frame {
 /// nor on the instructions the kernels use.
 ///
 /// # Errors
-/// If the view moves, the plan is for another size or eye, or a number in it cannot be used.
+/// If the view moves without a scan, the plan is for another size or eye, or a number in it cannot be used.
 pub fn render(
     scene: &Scene,
     view: &View,
@@ -55,7 +56,7 @@ pub fn render_into(
     options: &RenderOptions,
     spare: Image,
 ) -> Result<Frame, RenderError> {
-    check(view, plan, options)?;
+    check(scene, view, plan, options)?;
     // Samples of the one pass become the image; of several, they only go into it.
     let (memory, spare) = match plan.resolve {
         Resolve::Direct => {
@@ -96,6 +97,10 @@ pub(crate) fn put_together(
     spare: Vec<[f32; 3]>,
 ) -> Frame {
     let (image, passes, resolve_work) = resolve::resolve(view, plan, passes, options, spare);
+    let image = match &view.lens {
+        Some(lens) => separate(image, lens),
+        None => image,
+    };
     let mut work = resolve_work;
     work += shared;
     for w in &pass_work {

@@ -47,6 +47,7 @@
 
 mod bvh;
 mod check;
+mod chromatic;
 mod error;
 mod feather;
 mod fragments;
@@ -56,6 +57,7 @@ mod inverse;
 mod kernels;
 mod live;
 mod mosaic;
+mod moving;
 mod msaa;
 mod options;
 mod pass;
@@ -75,6 +77,7 @@ mod visible;
 
 pub use error::RenderError;
 pub use frame::{Frame, render, render_into};
+pub use moving::{Bound, BoundCounts, TriangleCount, bound_counts, sample_looks};
 pub use options::{RenderOptions, Simd, Skip};
 pub use pass::{Surfel, visibility, visibility_at};
 pub use stereo::{StereoFrame, StereoShared, render_stereo};

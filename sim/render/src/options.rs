@@ -5,9 +5,10 @@ use foveasim_models::{ModelError, unknown_name};
 
 pub use foveasim_lanes::Instructions as Simd;
 
-use crate::RenderError;
+use crate::{Bound, RenderError};
 
-/// How to draw. Nothing here but `near_m`, `lod`, `lod_error`, `footprint` and `skip.back_faces` changes the picture. Made by changing the default:
+/// How to draw. Nothing here but `near_m`, `lod`, `lod_error`, `footprint`, `skip.back_faces`, `bound` and `rolling_shading`
+/// changes the picture. Made by changing the default:
 /// `RenderOptions { simd, ..RenderOptions::default() }`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RenderOptions {
@@ -28,6 +29,13 @@ pub struct RenderOptions {
     pub footprint: f64,
     /// What is left out because the picture does not need it.
     pub skip: Skip,
+    /// Which bound finds the samples to be tested of moving triangles. Without one, passes of which nothing moves and no lens
+    /// is before the display are drawn from snapped triangles, others with [`Bound::Conservative`]. Asked for, a
+    /// bound is used for all passes: published ones may miss samples.
+    pub bound: Option<Bound>,
+    /// On a rolling display, whether each sample is shaded as seen from where the eye is at its own time, with
+    /// the normal that the surface has then; else from where it was at the scan's start, as an image is that was warped afterwards.
+    pub rolling_shading: bool,
 }
 
 /// Work that a picture does not need, each part to be left out or done all the same: for measuring what
@@ -147,6 +155,8 @@ impl Default for RenderOptions {
             lod_error: Detail::ERROR_SAMPLES,
             footprint: 1.0,
             skip: Skip::ALL,
+            bound: None,
+            rolling_shading: true,
         }
     }
 }

@@ -1,6 +1,8 @@
+mod count;
 mod share;
 mod surfel;
 
+pub(crate) use count::count_tests;
 pub(crate) use share::find_shared;
 pub(crate) use surfel::check_position;
 pub use surfel::{Surfel, visibility, visibility_at};
@@ -13,17 +15,21 @@ use rayon::prelude::*;
 use crate::RenderOptions;
 use crate::fragments::{Collect, Fragments, Rates};
 use crate::kernels::{
-    Attributes, Details, EdgeSample, RasterizePlaced, RasterizeTile, ShadeContext, ShadeTile,
-    dispatch,
+    Attributes, Details, EdgeSample, RasterizeMoving, RasterizePlaced, RasterizeTile, Rolling,
+    ShadeContext, ShadeTile, TileBlocks, dispatch,
 };
 use crate::live::{Live, grid};
+use crate::moving::{
+    Counts, MovingAttributes, MovingSetUp, MovingTriangles, Outlines, Target, find_blocks,
+    set_up_moving,
+};
 use crate::msaa::offsets;
 use crate::placed::PlacedTile;
 use crate::placement::Placement;
 use crate::project::{Projection, SUBSAMPLES};
 use crate::raster::{
     EyeVertex, Needs, PassTriangles, SetUp, SetUpTriangle, ViewGeometry, attributes, details,
-    set_up, vertices,
+    set_up, vertices, vertices_at_end,
 };
 use crate::shared::{LookUp, SharedVisibility};
 use crate::tile::{
@@ -117,7 +123,8 @@ pub(crate) fn draw(
         instance: room(memory.instance, kept, u32::MAX, all_drawn),
         all_drawn,
     };
-    let context = ShadeContext::new(scene, view.poses[0], &drawing.projection, options.footprint);
+    let context = ShadeContext::new(scene, view.poses[0], &drawing.projection, options.footprint)
+        .with_rolling(drawing.rolling(view));
     let mut work = drawing.work;
     work.passes = 1;
 
@@ -210,6 +217,8 @@ struct Drawing<'a> {
 enum Source<'a> {
     /// These triangles.
     Own(PassTriangles),
+    /// These, which move, or are seen through a lens.
+    Moving(MovingTriangles),
     /// A pass drawn before.
     Shared(&'a SharedVisibility),
 }
@@ -231,13 +240,27 @@ struct Scratch {
     edges: Vec<EdgeSample>,
     /// For each slot, the instance that is seen.
     instances: Vec<u32>,
+    /// Of passes in which triangles move.
+    moving: Option<Box<MovingScratch>>,
+}
+
+/// What a worker needs besides where triangles move.
+struct MovingScratch {
+    blocks: TileBlocks,
+    /// Those that meet the tile.
+    targets: Vec<Target>,
+    outlines: Outlines,
+    /// Of the visible.
+    attributes: Vec<MovingAttributes>,
+    /// Where tests are counted one by one.
+    counts: Option<Counts>,
 }
 
 impl Scratch {
     fn new(drawing: &Drawing<'_>) -> Self {
         Self {
             buffers: TileBuffers::new(drawing.msaa.positions() as usize),
-            placed: drawing.placement.map(|p| PlacedTile::new(p.positions())),
+            placed: drawing.placement.map(Placement::room),
             look_up: LookUp::default(),
             numbers: Vec::new(),
             triangles: Vec::new(),
@@ -247,6 +270,16 @@ impl Scratch {
             details: Vec::new(),
             edges: Vec::new(),
             instances: Vec::new(),
+            moving: match drawing.source {
+                Source::Moving(_) => Some(Box::new(MovingScratch {
+                    blocks: TileBlocks::NONE,
+                    targets: Vec::new(),
+                    outlines: Outlines::default(),
+                    attributes: Vec::new(),
+                    counts: None,
+                })),
+                _ => None,
+            },
         }
     }
 }
@@ -286,11 +319,37 @@ impl<'a> Drawing<'a> {
             Visibility::Shared(other) => &plan.passes[other],
             _ => pass,
         };
-        let projection = projection(view, finder, options);
+        let warped = objects.placement.as_ref().filter(|p| p.warp().is_some());
+        let projection = match warped {
+            // Samples are where their placement says, in display pixels.
+            Some(_) => Projection::new(
+                &view.optics,
+                &Affine::IDENTITY,
+                view.optics.size,
+                options.near_m,
+            ),
+            None => projection(view, finder, options),
+        };
         let msaa = msaa(plan, index);
-        let (source, work) = match shared {
-            Some(shared) => (Source::Shared(shared), Work::default()),
-            None => {
+        let live = Live::new(plan, index, &view.optics, options.skip.hidden);
+        let (source, work) = match (shared, warped) {
+            (Some(shared), _) => (Source::Shared(shared), Work::default()),
+            (None, Some(placement)) => {
+                let pass_set_up = MovingSetUp {
+                    scene,
+                    view,
+                    pass,
+                    geometry,
+                    placement,
+                    live: &live,
+                    options,
+                };
+                let order = objects.in_geometry(geometry);
+                let (triangles, mut work) = set_up_moving(&pass_set_up, &order);
+                work += objects.work;
+                (Source::Moving(triangles), work)
+            }
+            (None, None) => {
                 let pass_set_up = SetUp {
                     scene,
                     geometry,
@@ -316,15 +375,68 @@ impl<'a> Drawing<'a> {
                 || rates.0.is_some()
                 || needs.iter().any(|n| n.object || n.uv),
             rates,
-            live: Live::new(plan, index, &view.optics, options.skip.hidden),
+            live,
             source,
             placement: objects.placement.as_ref(),
             grid: grid(pass),
             // Samples of another pass are where that one took them.
-            map: sampled(finder),
+            map: match warped {
+                Some(_) => Map::Affine(Affine::IDENTITY),
+                None => sampled(finder),
+            },
             needs,
             work,
         }
+    }
+
+    /// How the eye moves while its samples look, if they do so at times of their own.
+    fn rolling(&self, view: &View) -> Option<Rolling> {
+        let scan = self.placement.and_then(|p| p.warp()).and_then(|w| w.scan);
+        scan.map(|_| Rolling::new(view.poses, self.options.rolling_shading))
+    }
+
+    /// What moving triangles show of a tile that was placed.
+    fn find_moving(
+        &self,
+        tile: &SampleTile,
+        source: &MovingTriangles,
+        scratch: &mut Scratch,
+        work: &mut Work,
+    ) {
+        let (Some(placed), Some(moving)) = (&scratch.placed, &mut scratch.moving) else {
+            unreachable!("passes with moving triangles are placed")
+        };
+        let valid = &scratch.buffers.valid;
+        source.tile(
+            tile,
+            valid,
+            &mut moving.targets,
+            &mut scratch.triangles,
+            &mut moving.outlines,
+        );
+        if moving.targets.is_empty() {
+            return;
+        }
+        let published = self.options.bound.and_then(|bound| bound.published());
+        if published.is_none() {
+            find_blocks(placed, valid, &mut moving.blocks, self.options.simd);
+        }
+        if let Some(counts) = &mut moving.counts {
+            counts.clear(valid.len(), moving.targets.len());
+        }
+        let kernel = RasterizeMoving {
+            placed,
+            blocks: &moving.blocks,
+            triangles: &moving.targets,
+            outlines: published.map(|_| &moving.outlines),
+            objects: &self.geometry.objects,
+            nearest: source.nearest,
+            skip_occluded: self.options.skip.occluded,
+            buffers: &mut scratch.buffers,
+            counts: moving.counts.as_mut(),
+            work,
+        };
+        dispatch(self.options.simd, kernel);
     }
 
     /// Place in the pass and in the buffers (first position) of each sample of a tile that is drawn.
@@ -355,6 +467,10 @@ impl<'a> Drawing<'a> {
             placement.place(tile, simd, placed);
             let triangles = match &self.source {
                 Source::Own(triangles) => triangles,
+                Source::Moving(moving) => {
+                    self.find_moving(tile, moving, scratch, work);
+                    return true;
+                }
                 Source::Shared(shared) => {
                     let (triangles, look_up) = (&mut scratch.triangles, &mut scratch.look_up);
                     shared.look_up(placed, &mut scratch.buffers, triangles, look_up);
@@ -417,6 +533,7 @@ impl<'a> Drawing<'a> {
             attributes: prepared,
             details: detailed,
             edges,
+            moving,
             ..
         } = scratch;
         let collect = Collect {
@@ -439,6 +556,15 @@ impl<'a> Drawing<'a> {
                 .clone()
                 .map(|t| vertices(self.scene, self.geometry, t)),
         );
+        if let Some(moving) = moving {
+            moving.attributes.clear();
+            let found = fragments.visible.iter().zip(corners.iter());
+            moving.attributes.extend(found.map(|(&slot, start)| {
+                let slot = slot as usize - 1;
+                let end = vertices_at_end(self.scene, self.geometry, &triangles[slot]);
+                MovingAttributes::new(&moving.targets[slot], start, &end)
+            }));
+        }
         let visible = visible.zip(corners.iter());
         prepared.clear();
         prepared.extend(
@@ -484,6 +610,7 @@ impl<'a> Drawing<'a> {
                 needs: bucket.checked_sub(1).map_or(nothing, |m| self.needs[m]),
                 fragments,
                 triangles: prepared,
+                moving: moving.as_ref().map(|m| m.attributes.as_slice()),
                 details: detailed,
                 buffers,
                 msaa: self.msaa,

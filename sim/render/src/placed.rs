@@ -73,6 +73,8 @@ pub(crate) struct PlacedTile {
     /// Where visibility is asked for: for each block, its lanes at the first position, then at the next
     /// \[sub-samples\].
     pub(crate) at: Vec<[[i32; LANES]; 2]>,
+    /// When the samples of each block look, from 0 to 1; empty where all look at once.
+    pub(crate) time: Vec<[f32; LANES]>,
     /// Where each sample is shaded \[sub-samples\].
     pub(crate) middle: Vec<[[i32; LANES]; 2]>,
     /// Over how many display pixels, along its longer side, shading averages: at least one.
@@ -88,11 +90,20 @@ impl PlacedTile {
     pub(crate) fn new(positions: usize) -> Self {
         Self {
             at: vec![[[0; LANES]; 2]; BLOCKS * positions],
+            time: Vec::new(),
             middle: vec![[[0; LANES]; 2]; BLOCKS],
             width: vec![[1.0; LANES]; BLOCKS],
             of_blocks: Box::new(Boxes::EMPTY),
             of_cells: Boxes::EMPTY,
             all: Boxes::EMPTY,
+        }
+    }
+
+    /// The same for samples that look at times of their own, at one position each.
+    pub(crate) fn at_times() -> Self {
+        Self {
+            time: vec![[0.0; LANES]; BLOCKS],
+            ..Self::new(1)
         }
     }
 

@@ -1,9 +1,11 @@
+use foveasim_models::raster::Sampling;
 use foveasim_models::{LogPolar, Map, Msaa, SamplePlan, Visibility};
 use glam::{DVec2, UVec2};
 
 use crate::Simd;
-use crate::kernels::{PlacePolar, PolarTable, dispatch, sub_sample};
+use crate::kernels::{PlacePolar, PlaceWarped, Plain, PolarTable, Seen, dispatch, sub_sample};
 use crate::live::grid;
+use crate::moving::Warp;
 use crate::msaa::offsets;
 use crate::pass::msaa;
 use crate::placed::PlacedTile;
@@ -23,6 +25,9 @@ pub(crate) struct Placement {
     kind: Kind,
     /// Whether samples are shaded where visibility is asked for.
     centred: bool,
+    warp: Option<Warp>,
+    /// Whether positions off the display are moved onto its edge.
+    onto_display: bool,
 }
 
 #[derive(Debug)]
@@ -36,6 +41,12 @@ enum Kind {
         /// For each column, the shortest step there or farther out, at least a pixel.
         least: Vec<f32>,
     },
+    /// Sums, products and one power.
+    Plain {
+        plain: Plain,
+        seen: Seen,
+        shift: DVec2,
+    },
     Any {
         map: Map,
         /// As the tables: shifts from the middle of a cell, in lattice steps.
@@ -44,8 +55,8 @@ enum Kind {
 }
 
 impl Placement {
-    /// For pass `index` of a plan; `None` if its samples lie evenly.
-    pub(crate) fn of(plan: &SamplePlan, index: usize) -> Option<Self> {
+    /// For pass `index` of a plan, as bent by `warp`; `None` if its samples lie evenly and look at once.
+    pub(crate) fn of(plan: &SamplePlan, index: usize, warp: Option<Warp>) -> Option<Self> {
         let pass = &plan.passes[index];
         let grid = grid(pass);
         let msaa = msaa(plan, index);
@@ -56,9 +67,23 @@ impl Placement {
             shifts.extend(sub.map(|o| pass.offset + o / f64::from(SUBSAMPLES)));
         }
         let centred = shifts.len() == 1;
-        let kind = match pass.map {
-            Map::Affine(_) => return None,
-            Map::LogPolar(map) => {
+        let (scan, lens) = match &warp {
+            Some(warp) => (warp.scan.as_ref(), warp.lens.as_ref()),
+            None => (None, None),
+        };
+        let plain = match &pass.map {
+            Map::Affine(_) if warp.is_none() => return None,
+            Map::Affine(map) => Some(Plain::affine(map)),
+            Map::Radial(map) if centred => Plain::radial(map, plan.display_px),
+            _ => None,
+        };
+        let kind = match (plain, pass.map) {
+            (Some(plain), _) => Kind::Plain {
+                plain,
+                seen: Seen::new(scan, lens, plan.display_px),
+                shift: pass.offset,
+            },
+            (None, Map::LogPolar(map)) if warp.is_none() => {
                 let steps = (0..grid.x).map(|x| map.step_lengths(f64::from(x) + 0.5));
                 let (widths, mut least): (Vec<f32>, Vec<f32>) = steps
                     .map(|[a, b]| (a.max(b).max(1.0) as f32, a.min(b).max(1.0) as f32))
@@ -73,7 +98,7 @@ impl Placement {
                     least,
                 }
             }
-            map => Kind::Any { map, shifts },
+            (None, map) => Kind::Any { map, shifts },
         };
         Some(Self {
             grid,
@@ -81,7 +106,22 @@ impl Placement {
             positions: if shares { 1 } else { msaa.positions() as usize },
             kind,
             centred,
+            warp,
+            onto_display: !matches!(pass.map, Map::Affine(_)),
         })
+    }
+
+    /// What bends or spreads over time what its samples look at.
+    pub(crate) fn warp(&self) -> Option<&Warp> {
+        self.warp.as_ref()
+    }
+
+    /// Room for a tile of its samples.
+    pub(crate) fn room(&self) -> PlacedTile {
+        match &self.warp {
+            Some(warp) if warp.scan.is_some() => PlacedTile::at_times(),
+            _ => PlacedTile::new(self.positions),
+        }
     }
 
     /// Positions per sample at which it asks for visibility; one, where another pass finds it.
@@ -122,6 +162,30 @@ impl Placement {
                     *out = widths[x.min(self.grid.x - 1) as usize];
                 }
             }
+            Kind::Plain { plain, seen, shift } => {
+                let first = tile.origin.as_dvec2() + 0.5 + *shift;
+                let last = (self.grid - 1 - tile.origin).as_dvec2();
+                let size = self.display.as_dvec2();
+                // As far as sub-samples are on the display.
+                let onto = size - 1.0 / f64::from(SUBSAMPLES);
+                let onto = match self.warp {
+                    Some(_) => size,
+                    None => onto,
+                };
+                let single = |v: DVec2| [v.x as f32, v.y as f32];
+                let kernel = PlaceWarped {
+                    plain: *plain,
+                    seen: *seen,
+                    first: single(first),
+                    last: single(last),
+                    onto: self.onto_display.then(|| single(onto)),
+                    at: &mut out.at,
+                    time: &mut out.time,
+                    width: &mut out.width,
+                };
+                dispatch(simd, kernel);
+            }
+            Kind::Any { map, .. } if self.warp.is_some() => self.place_any(map, tile, out),
             Kind::Any { map, shifts } => {
                 for index in 0..TILE_SAMPLES {
                     let sample = tile.origin + UVec2::from(position_of(index));
@@ -169,9 +233,48 @@ impl Placement {
                 least.get(column).map_or(1.0, |width| f64::from(*width))
             }
             // Steps of other maps are not known to be long anywhere.
-            Kind::Any { .. } => 1.0,
+            Kind::Plain { .. } | Kind::Any { .. } => 1.0,
         }
     }
+
+    /// Where and when the samples of any map look, one by one in double precision.
+    fn place_any(&self, map: &Map, tile: &SampleTile, out: &mut PlacedTile) {
+        let Some(warp) = self.warp else { return };
+        let sampling = Sampling {
+            map: *map,
+            lens: warp.lens,
+            scan: warp.scan,
+            display_px: self.display.as_dvec2(),
+        };
+        for index in 0..TILE_SAMPLES {
+            let sample = tile.origin + UVec2::from(position_of(index));
+            let middle = sample.min(self.grid - 1).as_dvec2() + 0.5;
+            let (block, lane) = (index / LANES, index % LANES);
+            let looks = match self.onto_display {
+                true => sampling.at_clamped(middle),
+                false => sampling.at(middle),
+            };
+            for (axis, px) in looks.ray.to_array().into_iter().enumerate() {
+                out.at[block][axis][lane] = far_sub_sample(px);
+            }
+            if let Some(time) = out.time.get_mut(block) {
+                time[lane] = looks.time as f32;
+            }
+            let mut steps = map.steps(middle);
+            if let Some(lens) = &warp.lens {
+                steps = lens.steps(looks.display) * steps;
+            }
+            let longer = steps.x_axis.length().max(steps.y_axis.length());
+            out.width[block][lane] = longer.max(1.0) as f32;
+        }
+    }
+}
+
+/// The sub-sample nearest to an image position that may lie off the display \[px\], within ±65,535 pixels. The cast makes 0
+/// of NaN.
+fn far_sub_sample(px: f64) -> i32 {
+    let far = 65_535 * SUBSAMPLES;
+    ((px * f64::from(SUBSAMPLES) + 0.5).floor() as i32).clamp(-far, far)
 }
 
 /// Radii of a map's columns and directions of its rows, at `shift` from the middles of the cells.

@@ -2,6 +2,7 @@ use foveasim_assets::Scene;
 use foveasim_models::{Eye, Image, Pose, SamplePlan, View, Work};
 
 use crate::check::check;
+use crate::moving::Warp;
 use crate::passes::{Drawn, draw_objects, objects_of};
 use crate::project::Optics;
 use crate::raster::ViewGeometry;
@@ -59,7 +60,14 @@ pub fn render_stereo(
         });
     }
     for (view, plan) in views.into_iter().zip(plans) {
-        check(view, plan, options)?;
+        check(scene, view, plan, options)?;
+        if Warp::of(scene, view, options).is_some_and(|warp| warp.scan.is_some()) {
+            return Err(RenderError::Still {
+                what: "both eyes at once",
+                of: "rolling views that move",
+                valid: "draw each eye's view by itself",
+            });
+        }
     }
     let passes = plans.map(|plan| plan.passes.len());
     let kinds = plans.map(|plan| {

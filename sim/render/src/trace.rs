@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use crate::bvh::{Aabb, Bvh};
 use crate::live::{Live, grid};
+use crate::moving::{Warp, trace_moving};
 use crate::msaa::offsets;
 use crate::pass::{check_position, projection, reach};
 use crate::placed::PlacedTile;
@@ -23,6 +24,9 @@ use crate::{RenderError, RenderOptions, Skip, Surfel};
 /// scalar function. An independent tracer can only agree up to rounding; this one must agree exactly,
 /// and shows that binning, traversal of blocks, lanes and hidden-surface culling lose nothing.
 ///
+/// Of views that roll while something moves, through a lens, or with a bound asked for, each sample casts its ray at its own
+/// time. The boxes hold all places that a triangle takes during the scan, and published bounds play no part.
+///
 /// # Errors
 /// As [`visibility_at`](crate::visibility_at).
 pub fn trace(
@@ -33,10 +37,13 @@ pub fn trace(
     position: usize,
     options: &RenderOptions,
 ) -> Result<Vec<Option<Surfel>>, RenderError> {
-    check_position(view, plan, pass, position, options)?;
+    check_position(scene, view, plan, pass, position, options)?;
     let size = grid(&plan.passes[pass]);
     if size.min_element() == 0 {
         return Ok(Vec::new());
+    }
+    if Warp::of(scene, view, options).is_some() {
+        return Ok(trace_moving(scene, view, plan, pass, options));
     }
     let options = RenderOptions {
         skip: Skip {

@@ -4,10 +4,11 @@ use foveasim_models::{Pose, Resolve, SamplePlan, View, Viewport, Work};
 use glam::{DVec2, DVec3};
 
 use crate::RenderOptions;
+use crate::moving::Warp;
 use crate::pass::projection;
 use crate::placement::Placement;
 use crate::project::{Optics, Projection};
-use crate::raster::{Bounds, ViewGeometry, bounds};
+use crate::raster::{Bounds, ViewGeometry, bounds, bounds_at};
 
 /// The instances that may be visible in a pass, each with the mesh drawn for it: nearest first, so that
 /// what hides comes before what is hidden.
@@ -27,16 +28,29 @@ struct Sight<'a> {
     eye_from_world: Pose,
     projection: Projection,
     placement: Option<Placement>,
+    /// What is seen at most of a bent display, and from where at a scan's end.
+    widest: Option<(Projection, Pose)>,
     outermost: bool,
 }
 
 impl<'a> Sight<'a> {
-    fn new(view: &'a View, plan: &SamplePlan, pass: usize, options: &RenderOptions) -> Self {
+    fn new(
+        scene: &Scene,
+        view: &'a View,
+        plan: &SamplePlan,
+        pass: usize,
+        options: &RenderOptions,
+    ) -> Self {
+        let warp = Warp::of(scene, view, options);
         Self {
             view,
+            widest: warp.map(|warp| {
+                let widest = warp.widest(view, options.near_m);
+                (widest, view.poses[1].inverse())
+            }),
             eye_from_world: view.poses[0].inverse(),
             projection: projection(view, &plan.passes[pass], options),
-            placement: Placement::of(plan, pass),
+            placement: Placement::of(plan, pass, warp),
             // The outermost of several layers has a curve of its own; parts of a mosaic are no layers.
             outermost: matches!(plan.resolve, Resolve::Feather(_))
                 && pass > 0
@@ -86,7 +100,16 @@ fn choose(
         let mut nearest = f64::INFINITY;
         for pass in shown {
             let at = bounds(scene, index, mesh, pass.eye_from_world);
-            missed &= pass.projection.sides_missed(at.centre, at.radius);
+            match &pass.widest {
+                None => missed &= pass.projection.sides_missed(at.centre, at.radius),
+                // Beyond a side at the start and at the end is beyond it in between, where corners move straight.
+                Some((widest, end)) => {
+                    let placed = scene.world_from_object_at_end(index);
+                    let last = bounds_at(scene, placed, mesh, *end);
+                    missed &= widest.sides_missed(at.centre, at.radius);
+                    missed &= widest.sides_missed(last.centre, last.radius);
+                }
+            }
             nearest = nearest.min(at.centre.length() - at.radius);
         }
         // Beyond the same side of all of them: outside of what holds them all.
@@ -111,7 +134,7 @@ impl PassObjects {
         pass: usize,
         options: &RenderOptions,
     ) -> Self {
-        let sight = [Sight::new(view, plan, pass, options)];
+        let sight = [Sight::new(scene, view, plan, pass, options)];
         let (named, work) = choose(scene, &sight, &sight, view.poses[0].position, options);
         let [Sight { placement, .. }] = sight;
         Self {
@@ -133,7 +156,7 @@ impl PassObjects {
         options: &RenderOptions,
         together: bool,
     ) -> [Self; 2] {
-        let sights = [0, 1].map(|k| Sight::new(views[k], plans[k], pass, options));
+        let sights = [0, 1].map(|k| Sight::new(scene, views[k], plans[k], pass, options));
         let (first, second) = if together {
             let (named, work) = choose(scene, &sights, &sights, head, options);
             ((named.clone(), work), (named, Work::default()))
@@ -155,7 +178,8 @@ impl PassObjects {
         Self {
             named: self.named.clone(),
             work: Work::default(),
-            placement: Placement::of(plan, pass),
+            // Refused of bent views: who shares visibility looks it up in an even pass.
+            placement: Placement::of(plan, pass, None),
         }
     }
 
@@ -207,5 +231,9 @@ pub(crate) fn geometry(
     options: &RenderOptions,
 ) -> ViewGeometry {
     let optics = Optics::new(&view.optics);
-    ViewGeometry::new(scene, view.poses[0], &optics, named, options.simd)
+    let geometry = ViewGeometry::new(scene, view.poses[0], &optics, named, options.simd);
+    match Warp::of(scene, view, options).and_then(|warp| warp.scan) {
+        Some(_) => geometry.until(scene, view.poses[1], &optics, named, options.simd),
+        None => geometry,
+    }
 }

@@ -452,7 +452,7 @@ mod tests {
     fn every_method_leaves_the_hidden_area_out_once() {
         let mut spec = presets::display_spec("quest-pro").unwrap();
         let methods =
-            "full,layers:3,vrs,fdm,rates,quad,quad:auto,kfr:2:4,kfr:2:4:published,lms:1:1";
+            "full,layers:3,vrs,fdm,rates,quad,quad:auto,kfr:2:4,kfr:2:4:published,lms:1:1,radial:2";
         let rows = |spec: &foveasim_models::DisplaySpec| {
             let display = foveasim_models::Display::try_from(spec.clone()).unwrap();
             sweep(vec![SweepDisplay::from(&display)], methods)

@@ -3,6 +3,7 @@ use fearless_simd::prelude::*;
 use super::attributes::{Attributes, Details};
 use super::shade::{Hit, ShadeContext};
 use super::wide::{F, M, Simd, U, V3, WIDTH, apart, max, min, piece, saturate, splat};
+use crate::moving::MovingAttributes;
 use crate::raster::Needs;
 
 /// [`WIDTH`] places to be shaded.
@@ -22,6 +23,8 @@ pub(super) struct Batch<'a, S: Simd> {
     pub(super) of_slot: Option<&'a [u32]>,
     /// Along the longer side, how many samples share the evaluation.
     pub(super) coarseness: F<S>,
+    /// Of triangles that move, and when each lane looks.
+    pub(super) moving: Option<(&'a [MovingAttributes], F<S>)>,
 }
 
 /// Attributes that the lanes of a batch see.
@@ -52,10 +55,13 @@ impl<S: Simd> Batch<'_, S> {
                 let tx = px * c.tan_step[0] + c.tan_origin[0];
                 let ty = py * c.tan_step[1] + c.tan_origin[1];
                 let [x, y, z] = c.world_from_direction;
-                let direction = V3 {
-                    x: tx * x[0] + ty * x[1] + x[2],
-                    y: tx * y[0] + ty * y[1] + y[2],
-                    z: tx * z[0] + ty * z[1] + z[2],
+                let direction = match (&c.rolling, self.moving) {
+                    (Some(rolling), Some((_, t))) => rolling.direction(t.simd, t, [tx, ty]),
+                    _ => V3 {
+                        x: tx * x[0] + ty * x[1] + x[2],
+                        y: tx * y[0] + ty * y[1] + y[2],
+                        z: tx * z[0] + ty * z[1] + z[2],
+                    },
                 };
                 // dα ≤ d tan α; towards the edge of the image a sample spans less.
                 let secant2 = tx * tx + ty * ty + 1.0;
@@ -98,7 +104,7 @@ impl<S: Simd> Batch<'_, S> {
             piece(
                 simd,
                 #[inline(always)]
-                || self.triangle(simd, slot, here, known, needs, &mut found),
+                || self.triangle(c, simd, slot, here, known, needs, &mut found),
             );
         }
         let Found {
@@ -110,9 +116,13 @@ impl<S: Simd> Batch<'_, S> {
         } = found;
         let w = known.unwrap_or(one / inverse_w);
         let (direction, angle) = self.ray(c);
-        let world = V3::splat(simd, c.eye).add(direction.scale(w));
+        let world = self.eye(c, simd).add(direction.scale(w));
         let normal = normal.normalize();
-        let view = direction.scale(-one).normalize();
+        let towards = match &c.rolling {
+            Some(rolling) if !rolling.shading => V3::splat(simd, c.eye).add(world.scale(-one)),
+            _ => direction.scale(-one),
+        };
+        let view = towards.normalize();
         // A slanted surface shows more per sample. One number stands for the ellipse: between its
         // short and its long axis, lest grazing ground blur away altogether.
         let facing = max(normal.dot(view), splat(simd, 0.08));
@@ -130,10 +140,20 @@ impl<S: Simd> Batch<'_, S> {
         }
     }
 
+    /// Where the eye is when the lanes look \[m\].
+    #[inline(always)]
+    fn eye(&self, c: &ShadeContext<'_>, simd: S) -> V3<S> {
+        match (&c.rolling, self.moving) {
+            (Some(rolling), Some((_, t))) => rolling.eye(simd, t),
+            _ => V3::splat(simd, c.eye),
+        }
+    }
+
     /// What the lanes `here`, at distances `w` if these are known, see of a triangle.
     #[inline(always)]
     fn triangle(
         &self,
+        c: &ShadeContext<'_>,
         simd: S,
         slot: u32,
         here: M<S>,
@@ -142,6 +162,18 @@ impl<S: Simd> Batch<'_, S> {
         found: &mut Found<S>,
     ) {
         let name = self.of_slot.map_or(slot, |places| places[slot as usize]) as usize;
+        if let Some((moving, t)) = self.moving {
+            let normal_at = match &c.rolling {
+                Some(rolling) if !rolling.shading => splat(simd, 0.0),
+                _ => t,
+            };
+            let within = moving[name].within(simd, self.lattice, t, normal_at);
+            found.normal = select(here, within.normal, found.normal);
+            if needs.object || needs.uv {
+                self.details(simd, name, here, within.weights, needs, found);
+            }
+            return;
+        }
         let a = &self.triangles[name].0;
         let dx = self.lattice[0] - a[Attributes::CORNER];
         let dy = self.lattice[1] - a[Attributes::CORNER + 1];
@@ -172,6 +204,21 @@ impl<S: Simd> Batch<'_, S> {
         let third = min(saturate(third), splat(simd, 1.0) - second);
         let within = triple(a, Details::NORMAL, second, third);
         found.normal = select(here & beside, within, found.normal);
+        self.details(simd, name, here, [second, third], needs, found);
+    }
+
+    /// What some materials need, at weights of a triangle's second and third corner.
+    #[inline(always)]
+    fn details(
+        &self,
+        simd: S,
+        name: usize,
+        here: M<S>,
+        [second, third]: [F<S>; 2],
+        needs: Needs,
+        found: &mut Found<S>,
+    ) {
+        let a = &self.details[name].0;
         if needs.object {
             let place = triple(a, Details::OBJECT, second, third);
             found.object = select(here, place, found.object);
@@ -195,9 +242,15 @@ impl<S: Simd> Batch<'_, S> {
             hit.angle.simd,
             #[inline(always)]
             || {
-                let to = hit
-                    .world
-                    .add(V3::splat(hit.angle.simd, [-c.eye[0], -c.eye[1], -c.eye[2]]));
+                let to = match (&c.rolling, self.moving) {
+                    (Some(_), Some(_)) => {
+                        let simd = hit.angle.simd;
+                        hit.world.add(self.eye(c, simd).scale(splat(simd, -1.0)))
+                    }
+                    _ => hit
+                        .world
+                        .add(V3::splat(hit.angle.simd, [-c.eye[0], -c.eye[1], -c.eye[2]])),
+                };
                 to.dot(to).sqrt()
             },
         )

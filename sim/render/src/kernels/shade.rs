@@ -7,6 +7,7 @@ use super::Kernel;
 use super::attributes::{Attributes, Details};
 use super::batch::Batch;
 use super::phong::phong;
+use super::rolling::Rolling;
 use super::sky::{aerial, sky};
 use super::surface::surface;
 use super::terrain::terrain;
@@ -14,6 +15,7 @@ use super::textured::textured;
 use super::wide::{F, I, M, Simd, V3, WIDTH, apart, max, piece, splat};
 use crate::fragments::Fragments;
 use crate::group::Group;
+use crate::moving::MovingAttributes;
 use crate::placed::PlacedTile;
 use crate::project::{Projection, SUBSAMPLES};
 use crate::raster::Needs;
@@ -72,6 +74,8 @@ pub(crate) struct ShadeContext<'a> {
     pub(super) tan_step: [f32; 2],
     /// Width that a sample averages over, as a tangent.
     pub(super) sample_tan: f32,
+    /// How the eye moves during a scan.
+    pub(super) rolling: Option<Rolling>,
 }
 
 impl<'a> ShadeContext<'a> {
@@ -95,7 +99,13 @@ impl<'a> ShadeContext<'a> {
             tan_origin: single(tan_origin),
             tan_step: single(tan_step),
             sample_tan: (projection.tangent_step().abs().max_element() * footprint) as f32,
+            rolling: None,
         }
+    }
+
+    /// The same for an eye that moves during a scan.
+    pub(crate) fn with_rolling(self, rolling: Option<Rolling>) -> Self {
+        Self { rolling, ..self }
     }
 }
 
@@ -130,6 +140,8 @@ pub(crate) struct ShadeTile<'a, 'b> {
     pub(crate) fragments: &'a Fragments,
     /// The triangles that are visible in the tile.
     pub(crate) triangles: &'a [Attributes],
+    /// Of the same, if they move.
+    pub(crate) moving: Option<&'a [MovingAttributes]>,
     /// Of the same; may be empty where no material needs more and each fragment is one sample.
     pub(crate) details: &'a [Details],
     pub(crate) buffers: &'a TileBuffers,
@@ -314,7 +326,16 @@ impl ShadeTile<'_, '_> {
         };
         let first = block as usize * self.msaa.positions() as usize;
         let depth = &self.buffers.depth[first];
+        let time = self
+            .placed
+            .and_then(|placed| placed.time.get(block as usize));
+        let moving = match (self.moving, time) {
+            (Some(moving), Some(time)) => Some((moving, F::from_slice(simd, time))),
+            (Some(moving), None) => Some((moving, splat(simd, 0.0))),
+            (None, _) => None,
+        };
         Batch {
+            moving,
             lattice,
             display,
             // Several positions have depths of their own; none is the middle's.
@@ -340,25 +361,40 @@ impl ShadeTile<'_, '_> {
         group: &'e Group,
         display: &'e [[f32; 2]; 2],
     ) -> Batch<'e, S> {
-        let (lattice, coarseness) = match self.placed {
-            None => {
-                // Exact: halves of whole samples.
-                let [x, y] = &group.middle;
-                let x = F::from_slice(simd, x) + self.tile.origin.x as f32;
-                let y = F::from_slice(simd, y) + self.tile.origin.y as f32;
-                ([x, y], F::from_slice(simd, &group.coarseness))
-            }
-            Some(placed) => {
-                let [x, y, width] = find(placed, group);
-                let [x, y, width] = [
-                    F::from_slice(simd, &x),
-                    F::from_slice(simd, &y),
-                    F::from_slice(simd, &width),
-                ];
-                ([x, y], width)
-            }
+        let Some(placed) = self.placed else {
+            // Exact: halves of whole samples.
+            let [x, y] = &group.middle;
+            let x = F::from_slice(simd, x) + self.tile.origin.x as f32;
+            let y = F::from_slice(simd, y) + self.tile.origin.y as f32;
+            let coarseness = F::from_slice(simd, &group.coarseness);
+            return self.loose(group, display, [x, y], coarseness);
         };
+        let found = Found::new(placed, group, self.buffers);
+        let [x, y] = &found.at;
+        let at = [F::from_slice(simd, x), F::from_slice(simd, y)];
+        let width = F::from_slice(simd, &found.width);
+        let batch = self.loose(group, display, at, width);
+        match self.moving {
+            None => batch,
+            Some(moving) => Batch {
+                moving: Some((moving, F::from_slice(simd, &found.time))),
+                inverse_w: Some(F::from_slice(simd, &found.inverse_w)),
+                ..batch
+            },
+        }
+    }
+
+    /// Evaluations at these places.
+    #[inline(always)]
+    fn loose<'e, S: Simd>(
+        &'e self,
+        group: &'e Group,
+        display: &'e [[f32; 2]; 2],
+        lattice: [F<S>; 2],
+        coarseness: F<S>,
+    ) -> Batch<'e, S> {
         Batch {
+            moving: None,
             lattice,
             display,
             inverse_w: None,
@@ -449,20 +485,41 @@ const POSITIONS: [u16; 16] = {
     lanes
 };
 
-/// Places, and what each stands for, of samples that a map has put anywhere. No lanes, so it is one function for
-/// all materials.
-#[inline(never)]
-fn find(placed: &PlacedTile, group: &Group) -> [[f32; WIDTH]; 3] {
-    let mut found = [[0.0; WIDTH]; 3];
-    for (lane, &[x, y]) in group.first.iter().enumerate() {
-        let index = index_of(x.into(), y.into());
-        let (block, at) = (index / LANES, index % LANES);
-        let [x, y] = &placed.middle[block];
-        found[0][lane] = x[at] as f32 * PER_SAMPLE;
-        found[1][lane] = y[at] as f32 * PER_SAMPLE;
-        found[2][lane] = placed.width[block][at];
+/// Of a group's samples that a map has put anywhere.
+struct Found {
+    /// Display pixels.
+    at: [[f32; WIDTH]; 2],
+    /// What each stands for.
+    width: [f32; WIDTH],
+    /// When each looks, on rolling displays.
+    time: [f32; WIDTH],
+    /// 1/w as the depth test found it at samples that are shaded one by one; of the sky, 1.
+    inverse_w: [f32; WIDTH],
+}
+
+impl Found {
+    /// No lanes, so it is one function for all materials.
+    #[inline(never)]
+    fn new(placed: &PlacedTile, group: &Group, buffers: &TileBuffers) -> Self {
+        let mut found = Self {
+            at: [[0.0; WIDTH]; 2],
+            width: [0.0; WIDTH],
+            time: [0.0; WIDTH],
+            inverse_w: [0.0; WIDTH],
+        };
+        for (lane, &[x, y]) in group.first.iter().enumerate() {
+            let index = index_of(x.into(), y.into());
+            let (block, at) = (index / LANES, index % LANES);
+            let [x, y] = &placed.middle[block];
+            found.at[0][lane] = x[at] as f32 * PER_SAMPLE;
+            found.at[1][lane] = y[at] as f32 * PER_SAMPLE;
+            found.width[lane] = placed.width[block][at];
+            found.time[lane] = placed.time.get(block).map_or(0.0, |t| t[at]);
+            let seen = buffers.depth[block][at];
+            found.inverse_w[lane] = if seen > 0.0 { seen } else { 1.0 };
+        }
+        found
     }
-    found
 }
 
 /// Samples per sub-sample.

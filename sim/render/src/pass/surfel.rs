@@ -47,7 +47,7 @@ pub fn visibility_at(
     position: usize,
     options: &RenderOptions,
 ) -> Result<Vec<Option<Surfel>>, RenderError> {
-    check_position(view, plan, pass, position, options)?;
+    check_position(scene, view, plan, pass, position, options)?;
     let size = grid(&plan.passes[pass]);
     if size.min_element() == 0 {
         return Ok(Vec::new());
@@ -80,13 +80,14 @@ pub fn visibility_at(
 
 /// Refuses what cannot be drawn, and passes and positions that are not there.
 pub(crate) fn check_position(
+    scene: &Scene,
     view: &View,
     plan: &SamplePlan,
     pass: usize,
     position: usize,
     options: &RenderOptions,
 ) -> Result<(), RenderError> {
-    crate::check::check(view, plan, options)?;
+    crate::check::check(scene, view, plan, options)?;
     let why = match plan.passes.get(pass).map(|p| p.visibility) {
         Some(Visibility::Own(msaa)) if position < msaa.positions() as usize => return Ok(()),
         Some(Visibility::Own(msaa)) => {

@@ -47,6 +47,18 @@ pub(crate) fn vertices(
     corners.map(|i| vertices[i as usize])
 }
 
+/// The same at the end of a scan.
+pub(crate) fn vertices_at_end(
+    scene: &Scene,
+    geometry: &ViewGeometry,
+    t: &SetUpTriangle,
+) -> [EyeVertex; 3] {
+    let object = &geometry.objects[t.object as usize];
+    let corners = scene.meshes()[object.mesh as usize].triangles()[t.index()];
+    let vertices = geometry.at_end(object, scene);
+    corners.map(|i| vertices[i as usize])
+}
+
 /// What every material needs of a triangle whose vertices are `vertices`.
 pub(crate) fn attributes(
     t: &SetUpTriangle,

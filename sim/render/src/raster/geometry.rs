@@ -1,4 +1,4 @@
-use foveasim_assets::Scene;
+use foveasim_assets::{Scene, Similarity};
 use foveasim_models::{Pose, Work};
 use glam::{DMat3, DVec3};
 use rayon::prelude::*;
@@ -43,6 +43,8 @@ pub(crate) struct Bounds {
 pub(crate) struct ViewGeometry {
     pub(crate) objects: Vec<Object>,
     pub(crate) vertices: Vec<EyeVertex>,
+    /// The same at the end of a scan; empty where nothing moves.
+    pub(crate) ends: Vec<EyeVertex>,
     /// Vertices counted while transforming.
     pub(crate) work: Work,
 }
@@ -53,6 +55,16 @@ const JOB: usize = 4096;
 /// Where mesh `mesh` of instance `instance` is, as the eye sees it.
 pub(crate) fn bounds(scene: &Scene, instance: usize, mesh: usize, eye_from_world: Pose) -> Bounds {
     let placed = scene.instances()[instance].world_from_object;
+    bounds_at(scene, placed, mesh, eye_from_world)
+}
+
+/// The same for an instance that is `placed` otherwise.
+pub(crate) fn bounds_at(
+    scene: &Scene,
+    placed: Similarity,
+    mesh: usize,
+    eye_from_world: Pose,
+) -> Bounds {
     let (centre, radius) = scene.meshes()[mesh].bounds();
     let centre = eye_from_world.point(placed.point(centre));
     Bounds {
@@ -70,7 +82,6 @@ impl ViewGeometry {
         named: &[(u32, u32)],
         simd: Simd,
     ) -> Self {
-        let eye_from_world = world_from_eye.inverse();
         let mut objects = Vec::with_capacity(named.len());
         let mut total = 0;
         for &(instance, mesh) in named {
@@ -81,42 +92,33 @@ impl ViewGeometry {
             });
             total += scene.meshes()[mesh as usize].vertex_count();
         }
-        let mut vertices = vec![EyeVertex::default(); total];
-        let mut rest = vertices.as_mut_slice();
-        let mut jobs = Vec::new();
-        for &(instance, mesh) in named {
-            let transform = transform(scene, instance as usize, eye_from_world, optics);
-            let count = scene.meshes()[mesh as usize].vertex_count();
-            for start in (0..count).step_by(JOB) {
-                let length = JOB.min(count - start);
-                let (out, remaining) = std::mem::take(&mut rest).split_at_mut(length);
-                rest = remaining;
-                jobs.push((transform, mesh, start, out));
-            }
-        }
-        jobs.into_par_iter()
-            .for_each(|(transform, mesh, start, out)| {
-                let range = start..start + out.len();
-                let [x, y, z] = scene.meshes()[mesh as usize].positions();
-                let positions = [&x[range.clone()], &y[range.clone()], &z[range.clone()]];
-                let [x, y, z] = scene.meshes()[mesh as usize].normals();
-                let normals = [&x[range.clone()], &y[range.clone()], &z[range]];
-                let kernel = TransformVertices {
-                    transform: &transform,
-                    positions,
-                    normals,
-                    out,
-                };
-                dispatch(simd, kernel);
-            });
         let work = Work {
             vertices: total as u64,
             ..Work::default()
         };
         Self {
             objects,
-            vertices,
+            vertices: transformed(scene, world_from_eye, optics, named, simd, false),
+            ends: Vec::new(),
             work,
+        }
+    }
+
+    /// The same for a scan whose end sees from `world_from_eye`: each vertex is transformed again.
+    pub(crate) fn until(
+        self,
+        scene: &Scene,
+        world_from_eye: Pose,
+        optics: &Optics,
+        named: &[(u32, u32)],
+        simd: Simd,
+    ) -> Self {
+        let mut work = self.work;
+        work.vertices *= 2;
+        Self {
+            ends: transformed(scene, world_from_eye, optics, named, simd, true),
+            work,
+            ..self
         }
     }
 
@@ -150,6 +152,7 @@ impl ViewGeometry {
         Self {
             objects: self.objects.clone(),
             vertices,
+            ends: Vec::new(),
             work,
         }
     }
@@ -160,15 +163,71 @@ impl ViewGeometry {
         let count = scene.meshes()[object.mesh as usize].vertex_count();
         &self.vertices[first..first + count]
     }
+
+    /// The same at the end of a scan.
+    pub(crate) fn at_end(&self, object: &Object, scene: &Scene) -> &[EyeVertex] {
+        if self.ends.is_empty() {
+            return self.of(object, scene);
+        }
+        let first = object.first_vertex as usize;
+        let count = scene.meshes()[object.mesh as usize].vertex_count();
+        &self.ends[first..first + count]
+    }
 }
 
-fn transform(
+/// The vertices of `named`, one after the other, at the start or the end of a scan.
+fn transformed(
     scene: &Scene,
-    instance: usize,
-    eye_from_world: Pose,
+    world_from_eye: Pose,
     optics: &Optics,
-) -> VertexTransform {
-    let placed = scene.instances()[instance].world_from_object;
+    named: &[(u32, u32)],
+    simd: Simd,
+    at_end: bool,
+) -> Vec<EyeVertex> {
+    let eye_from_world = world_from_eye.inverse();
+    let counts = named
+        .iter()
+        .map(|&(_, mesh)| scene.meshes()[mesh as usize].vertex_count());
+    let mut vertices = vec![EyeVertex::default(); counts.sum()];
+    let mut rest = vertices.as_mut_slice();
+    let mut jobs = Vec::new();
+    for &(instance, mesh) in named {
+        let placed = match at_end {
+            false => scene.instances()[instance as usize].world_from_object,
+            true => scene.world_from_object_at_end(instance as usize),
+        };
+        let transform = transform(placed, eye_from_world, optics);
+        let count = scene.meshes()[mesh as usize].vertex_count();
+        for start in (0..count).step_by(JOB) {
+            let length = JOB.min(count - start);
+            let (out, remaining) = std::mem::take(&mut rest).split_at_mut(length);
+            rest = remaining;
+            jobs.push((transform, mesh, start, out));
+        }
+    }
+    jobs.into_par_iter()
+        .for_each(|(transform, mesh, start, out)| {
+            let range = start..start + out.len();
+            let mesh = &scene.meshes()[mesh as usize];
+            let [x, y, z] = match mesh.end_positions() {
+                Some(ends) if at_end => ends,
+                _ => mesh.positions(),
+            };
+            let positions = [&x[range.clone()], &y[range.clone()], &z[range.clone()]];
+            let [x, y, z] = mesh.normals();
+            let normals = [&x[range.clone()], &y[range.clone()], &z[range]];
+            let kernel = TransformVertices {
+                transform: &transform,
+                positions,
+                normals,
+                out,
+            };
+            dispatch(simd, kernel);
+        });
+    vertices
+}
+
+fn transform(placed: Similarity, eye_from_world: Pose, optics: &Optics) -> VertexTransform {
     let eye_from_object = eye_from_world.then(placed.pose);
     let linear = DMat3::from_quat(eye_from_object.orientation) * placed.scale;
     let row = |r: DVec3, t: f64| [r.x as f32, r.y as f32, r.z as f32, t as f32];

@@ -9,7 +9,7 @@ mod geometry;
 mod plane;
 mod setup;
 
-pub(crate) use attributes::{Needs, attributes, details, vertices};
+pub(crate) use attributes::{Needs, attributes, details, vertices, vertices_at_end};
 pub(crate) use bins::Bins;
-pub(crate) use geometry::{Bounds, EyeVertex, Object, ViewGeometry, bounds};
-pub(crate) use setup::{BEHIND, Emitter, PassTriangles, SetUp, SetUpTriangle, set_up};
+pub(crate) use geometry::{Bounds, EyeVertex, Object, ViewGeometry, bounds, bounds_at};
+pub(crate) use setup::{BEHIND, Emitter, PassTriangles, SetUp, SetUpTriangle, segments, set_up};

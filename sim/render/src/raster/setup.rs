@@ -56,9 +56,9 @@ const JOB: usize = 4096;
 
 /// Part of an object's triangles.
 #[derive(Debug, Clone)]
-struct Segment {
-    object: u32,
-    range: Range<usize>,
+pub(crate) struct Segment {
+    pub(crate) object: u32,
+    pub(crate) range: Range<usize>,
 }
 
 /// What set-up needs to know of the pass.
@@ -75,7 +75,7 @@ pub(crate) struct SetUp<'a> {
 /// Sets up all triangles of `objects` (places in the view's list) that may cover a sample.
 pub(crate) fn set_up(pass: &SetUp<'_>, objects: &[u32]) -> (PassTriangles, Work) {
     let size = pass.projection.size;
-    let results: Vec<_> = segments(pass, objects)
+    let results: Vec<_> = segments(pass.scene, pass.geometry, objects)
         .into_par_iter()
         .map(|segments| {
             let mut emitter = Emitter::new(pass);
@@ -100,12 +100,16 @@ pub(crate) fn set_up(pass: &SetUp<'_>, objects: &[u32]) -> (PassTriangles, Work)
 }
 
 /// Cuts the triangles of all objects into jobs of about equal size.
-fn segments(pass: &SetUp<'_>, objects: &[u32]) -> Vec<Vec<Segment>> {
+pub(crate) fn segments(
+    scene: &Scene,
+    geometry: &ViewGeometry,
+    objects: &[u32],
+) -> Vec<Vec<Segment>> {
     let mut jobs = vec![Vec::new()];
     let mut room = JOB;
     for &object in objects {
-        let mesh = pass.geometry.objects[object as usize].mesh;
-        let count = pass.scene.meshes()[mesh as usize].triangles().len();
+        let mesh = geometry.objects[object as usize].mesh;
+        let count = scene.meshes()[mesh as usize].triangles().len();
         let mut start = 0;
         while start < count {
             if room == 0 {

@@ -8,6 +8,7 @@ use super::history::{History, Past, Placed, Spare};
 use super::reproject::reproject;
 use super::{TemporalOptions, jitter};
 use crate::check::check;
+use crate::moving::Warp;
 use crate::pass::PassSamples;
 use crate::passes::draw_passes;
 use crate::{Frame, RenderError, RenderOptions, resolve};
@@ -115,8 +116,15 @@ impl Sequence {
                 pass.offset = jitter(self.draws_before(pass, frame));
             }
         }
-        check(view, &plan, options)?;
+        check(scene, view, &plan, options)?;
         self.check_maps(&plan)?;
+        if self.options.reproject && Warp::of(scene, view, options).is_some() {
+            return Err(RenderError::Still {
+                what: "a history of samples",
+                of: "rolling views, through a lens or with a bound asked for",
+                valid: "frames can be drawn one by one, or jittered",
+            });
+        }
         let placed = Arc::new(Placed::of(scene));
         let previous = self.previous.take();
         let mut histories = match previous.filter(|p| p.leads_to(&plan, &placed)) {

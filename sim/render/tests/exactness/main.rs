@@ -5,6 +5,7 @@
 mod common;
 mod covered;
 mod methods;
+mod moving;
 mod oracle;
 mod traced;
 mod triangle;

@@ -34,6 +34,7 @@ impl Pair {
             panel_px: size.to_array(),
             head_from_eye: Pose::new(DVec3::X * (side * INTERPUPILLARY_M / 2.0), DQuat::IDENTITY),
             hidden_area_fraction: 0.0,
+            lens: None,
         };
         let panels = [panel(Eye::Left, -1.0), panel(Eye::Right, 1.0)];
         let frame = u64::from(STUDY_FRAMES) * (2 * u64::from(index) + 1) / (2 * u64::from(count));

@@ -186,7 +186,7 @@ impl SweepRow {
 /// sharpest part is than acuity slopes were measured ([`Acuity::MEASURED_TO_DEG`]). Samples are places
 /// where visibility is found, shadings evaluations of shading: fewer under variable-rate shading, else
 /// as many. `over_ideal` compares shadings. `tracked_over_fixed` is how many times more a fixed method
-/// shades for the same quality; it is empty for `kfr`, `efr` and `lms`, whose settings say where samples
+/// shades for the same quality; it is empty for `kfr`, `efr`, `lms` and `radial`, whose settings say where samples
 /// lie, and which may need fewer than the ideal because they promise no quality.
 pub const COLUMNS: [&str; 35] = [
     "method",

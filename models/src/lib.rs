@@ -47,7 +47,9 @@ mod work;
 
 pub use acuity::{Acuity, OMEGA_0_DEG, QUALITY_INDEX_DEG, SLOPE_A, SLOPE_B};
 pub use color::{Image, linear_from_srgb, srgb8_from_linear};
-pub use cost::{CostProfile, DrawnCost, FixedCost, FrameCost, FrameInput, MeasuredCost};
+pub use cost::{
+    CostForm, CostProfile, DrawnCost, FixedCost, FrameCost, FrameInput, FrameWork, MeasuredCost,
+};
 pub use display::{
     Display, DisplaySpec, Emission, EyeOrder, EyePanel, Geometry, HmdSpec, Lens, LensSpec, LightAt,
     PixelDensity, PixelResponse, PlanarSpec, ScanClock, ScanDirection, ScanSkew, ScanSpec,

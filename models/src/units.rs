@@ -138,6 +138,11 @@ impl Rate {
         self.micro_hz as f64 / 1e6
     }
 
+    /// In millionths of a hertz, which it is a whole number of.
+    pub fn micro_hz(self) -> u64 {
+        self.micro_hz
+    }
+
     /// The rate of a clock that runs faster by `ppm` parts in a million (slower, if negative), kept to
     /// the micro-hertz.
     ///

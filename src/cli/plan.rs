@@ -1,14 +1,19 @@
 mod kernel;
+mod log;
 mod resolution;
+mod run;
+
+use std::sync::Arc;
 
 use anyhow::{Context as _, anyhow, bail};
 use foveasim_models::foveation::{Method, Screen};
 use foveasim_models::math::to_deg;
-use foveasim_models::{Acuity, GazeMode};
-use foveasim_reports::{Heatmap, Outputs, Table};
-use foveasim_study::{GazeAt, Resolution, Sweep, SweepDisplay, SweepRow, parse_numbers};
+use foveasim_models::{Acuity, GazeMode, Rate};
+use foveasim_reports::{Heatmap, Table};
+use foveasim_study::{
+    Buffers, GazeAt, Link, Resolution, Sweep, SweepDisplay, SweepRow, Terms, parse_numbers,
+};
 
-use super::context::Format;
 use super::{Context, Failure, options};
 
 /// Savings across displays or fields of view, resolutions, methods, acuity and tracking error.
@@ -28,6 +33,9 @@ use super::{Context, Failure, options};
   foveasim plan --fov 90 --pixels 3840x2160 --gaze 0,1080 --gaze-mode fixed
   foveasim plan --display quest-pro --method full,layers:3,vrs,fdm,rates,quad,quad:auto
   foveasim plan --display quest-pro --method vrs,vrs:fixed,vrs:fixed=25
+  foveasim plan --fov 80..120:10 --ppd centre:20,centre:40 --refresh 72,90,120 --eyes 2
+  foveasim plan --fov 10..130:1 --shard 3/16 --out part3
+  foveasim plan merge part1 part2 part3 --out all
   foveasim plan --display quest-pro --method kfr:2:4,kfr:2:1,kfr:2:0.25,efr:2:3,lms:1:1
 
 Methods, settings in brackets:
@@ -57,7 +65,10 @@ frame half. shading_ratio counts evaluations of shading, which vrs has fewer of 
 ideal_ratio is a density that falls off continuously: no method with the same acuity and margin
 saves more. tracked_over_fixed: how many times more samples the method shades if fixed (fixed=15
 unless it says) than if tracked, of the same quality; empty for kfr, efr, lms and radial. extrapolated: the screen reaches farther from
-the gaze than slopes were measured.
+the gaze than slopes were measured. frame_ms is the time that the cost profile predicts, each layer at
+its own cadence, frame_all_ms with every layer; fits_refresh compares both with the refresh;
+beyond_fit names the work that is beyond what the profile rests on. framebuffer_mb is of all layers and
+of the image put together from them. link_gbps carries layers as often as they are drawn.
 Where a display has two eyes, samples are those of both, pixels and layers those of one."
 )]
 pub(crate) struct Args {
@@ -116,12 +127,45 @@ pub(crate) struct Args {
         allow_hyphen_values = true
     )]
     margin: String,
+    /// Refreshes a second of flat displays [default: none; displays have their own]
+    #[arg(long, value_name = "HZ")]
+    refresh: Option<String>,
+    /// Images of flat displays: 1, 2 or 1,2
+    #[arg(long, value_name = "N", default_value = "1")]
+    eyes: String,
+    /// Cost profile: name or TOML file, as `foveasim calibrate` writes it
+    #[arg(
+        long,
+        visible_alias = "profile",
+        value_name = "PROFILE",
+        default_value = "guenter2012"
+    )]
+    cost: String,
+    /// Framebuffer bytes of a sample and of a displayed pixel
+    #[arg(long, value_name = "SAMPLE,PIXEL", default_value = "8,4")]
+    bytes: String,
+    /// Bits of a sample on the link to the display
+    #[arg(long, value_name = "BITS", default_value_t = 24.0)]
+    link_bits: f64,
+    /// The part of the time in which samples are on the link
+    #[arg(long, value_name = "FRACTION", default_value_t = 1.0)]
+    link_active: f64,
+    /// How many times the link compresses
+    #[arg(long, value_name = "RATIO", default_value_t = 1.0)]
+    compression: f64,
+    /// Go on with the rows that an earlier run left in the folder
+    #[arg(long, requires = "out")]
+    resume: bool,
+    /// Make one part of the rows, which `plan merge` puts together
+    #[arg(long, value_name = "K/N", requires = "out")]
+    shard: Option<String>,
 }
 
 /// What is found instead of counted.
 #[derive(Debug, clap::Subcommand)]
 enum Find {
     Kernel(kernel::Args),
+    Merge(run::MergeArgs),
 }
 
 /// The most rows of one run.
@@ -132,7 +176,7 @@ const DEFAULT_SHARPNESS: &str = "0.25,0.5,foveal";
 const DEFAULT_ASPECT: f64 = 0.5625;
 
 /// What people read on a terminal; CSV and JSON have all columns.
-const READABLE: [&str; 15] = [
+const READABLE: [&str; 17] = [
     "method",
     "display",
     "fov_h_deg",
@@ -146,48 +190,18 @@ const READABLE: [&str; 15] = [
     "shading_ratio",
     "ideal_ratio",
     "tracked_over_fixed",
+    "frame_ms",
+    "fits_refresh",
     "layer_radii_deg",
     "extrapolated",
 ];
 
 pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
-    if let Some(Find::Kernel(args)) = &args.find {
-        return kernel::run(args, ctx);
+    match &args.find {
+        Some(Find::Kernel(args)) => kernel::run(args, ctx),
+        Some(Find::Merge(args)) => run::merge(args, ctx),
+        None => run::sweep(args, ctx),
     }
-    let sweep = args.sweep()?;
-    // An unwritable folder is found before the work, not after.
-    let outputs = ctx.out.is_some().then(|| ctx.outputs("out")).transpose()?;
-    let bar = ctx.progress(sweep.len() as u64, "planning");
-    let rows = sweep.run(|n| bar.inc(n))?;
-    bar.finish_and_clear();
-    let table = SweepRow::table(&rows);
-    if ctx.format == Format::Table {
-        ctx.print_table(&pick(&table, &READABLE))?;
-        ctx.note("All columns: --format csv");
-    } else {
-        ctx.print_table(&table)?;
-    }
-    if let Some(outputs) = outputs {
-        write(outputs, &table, args.heatmaps(&sweep, &rows)?, ctx)?;
-    }
-    Ok(())
-}
-
-/// Everything a folder given with `--out` receives.
-fn write(
-    mut outputs: Outputs,
-    table: &Table,
-    maps: Vec<(String, Heatmap)>,
-    ctx: &Context,
-) -> Result<(), Failure> {
-    outputs.add("plan.csv", table.csv());
-    for (name, map) in maps {
-        outputs.add(name, map.svg());
-    }
-    for path in outputs.commit()? {
-        ctx.note(&format!("wrote {}", path.display()));
-    }
-    Ok(())
 }
 
 /// Some of a table's columns.
@@ -211,7 +225,13 @@ impl Args {
     fn heatmaps(&self, sweep: &Sweep, rows: &[SweepRow]) -> anyhow::Result<Vec<(String, Heatmap)>> {
         let methods = sweep.methods.len();
         let cells = sweep.displays.len();
-        if self.display.is_some() || rows.len() != cells * methods || cells > MOST_CELLS {
+        let same = |d: &SweepDisplay| (d.refresh, d.eyes.len());
+        let differ = sweep
+            .displays
+            .iter()
+            .any(|d| same(d) != same(&sweep.displays[0]));
+        let grid = self.display.is_none() && rows.len() == cells * methods && !differ;
+        if !grid || cells > MOST_CELLS {
             return Ok(Vec::new());
         }
         let fovs = list("--fov", self.fov.as_deref().unwrap_or(DEFAULT_FOV))?;
@@ -255,6 +275,7 @@ impl Args {
             gaze_mode: self.gaze_mode.parse::<GazeMode>().context("--gaze-mode")?,
             margins_deg: margins,
             methods: Method::parse_list(&self.method).context("--method")?,
+            terms: Arc::new(self.terms()?),
         };
         let others = sweep.acuities.len() * sweep.margins_deg.len();
         let others = others.saturating_mul(sweep.methods.len());
@@ -264,6 +285,44 @@ impl Args {
         };
         check_rows(sweep.len())?;
         Ok(sweep)
+    }
+
+    fn terms(&self) -> anyhow::Result<Terms> {
+        let [sample_bytes, pixel_bytes] =
+            options::pair(&self.bytes).map_err(|e| anyhow!("--bytes {}: {e}", self.bytes))?;
+        let terms = Terms {
+            cost: foveasim_study::cost(&self.cost).context("--cost")?,
+            buffers: Buffers {
+                sample_bytes,
+                pixel_bytes,
+            },
+            link: Link {
+                bits_per_pixel: self.link_bits,
+                active_fraction: self.link_active,
+                compression: self.compression,
+            },
+        };
+        terms.check()?;
+        Ok(terms)
+    }
+
+    /// How often a flat display is refreshed, and how many images it has: every combination.
+    fn variants(&self) -> anyhow::Result<Vec<(Option<Rate>, bool)>> {
+        let refreshes: Vec<Option<Rate>> = match &self.refresh {
+            None => vec![None],
+            Some(text) => list("--refresh", text)?
+                .into_iter()
+                .map(|hz| Ok(Some(Rate::from_hz("--refresh", hz)?)))
+                .collect::<anyhow::Result<_>>()?,
+        };
+        let eyes = self.eyes.split(',').map(|text| match text.trim() {
+            "1" => Ok(false),
+            "2" => Ok(true),
+            other => Err(anyhow!("--eyes {other}: want 1, 2 or 1,2")),
+        });
+        let eyes: Vec<bool> = eyes.collect::<anyhow::Result<_>>()?;
+        let each = |refresh| eyes.iter().map(move |both| (refresh, *both));
+        Ok(refreshes.into_iter().flat_map(each).collect())
     }
 
     fn gaze(&self) -> anyhow::Result<GazeAt> {
@@ -277,6 +336,8 @@ impl Args {
             ("--pixels", self.pixels.is_some()),
             ("--sharpness", self.sharpness.is_some()),
             ("--aspect", self.aspect.is_some()),
+            ("--refresh", self.refresh.is_some()),
+            ("--eyes", self.eyes != "1"),
         ];
         if let Some((flag, _)) = planar.iter().find(|(_, given)| *given) {
             let text = format!("--display and {flag}: a display has its own; give one of them");
@@ -293,9 +354,11 @@ impl Args {
             Screen::half_width_tan(fov).context("--fov")?;
         }
         let resolutions = self.resolutions(fovs[0])?;
+        let variants = self.variants()?;
         check_rows(
             fovs.len()
                 .saturating_mul(resolutions.len())
+                .saturating_mul(variants.len())
                 .saturating_mul(rows),
         )?;
         let aspect = self.aspect.unwrap_or(DEFAULT_ASPECT);
@@ -306,7 +369,17 @@ impl Args {
         for &fov in &fovs {
             for resolution in &resolutions {
                 let at = || format!("display of {fov} degrees");
-                displays.push(resolution.display(fov, aspect).with_context(at)?);
+                let display = resolution.display(fov, aspect).with_context(at)?;
+                displays.extend(variants.iter().map(|(refresh, both)| {
+                    let mut display = display.clone();
+                    if *both {
+                        display = display.for_both_eyes();
+                    }
+                    match refresh {
+                        Some(rate) => display.at(*rate),
+                        None => display,
+                    }
+                }));
             }
         }
         Ok(displays)

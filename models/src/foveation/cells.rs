@@ -15,6 +15,25 @@ pub(super) struct Cells<'a> {
 /// More cells than this are not looked at one by one by [`Cells::survey`].
 const MOST_SURVEYED: f64 = 131_072.0;
 
+/// Cells along each side of a block.
+const BLOCK: u32 = 8;
+
+/// The spacing allowed in all of each block of cells, where that is enough.
+#[derive(Default)]
+struct Blocks {
+    across: u32,
+    spacings: Vec<Option<DVec2>>,
+}
+
+impl Blocks {
+    /// Of the block that cell `index` is in; none beyond the last.
+    fn of(&self, index: UVec2) -> Option<DVec2> {
+        let block = index / BLOCK;
+        let place = block.y * self.across + block.x;
+        self.spacings.get(place as usize).copied().flatten()
+    }
+}
+
 impl<'a> Cells<'a> {
     pub(super) fn new(need: &'a Need<'a>, cell: UVec2) -> Self {
         let (size, cell) = (pixels(need.screen), cell.as_dvec2());
@@ -26,27 +45,58 @@ impl<'a> Cells<'a> {
         (self.size / self.cell).ceil().as_uvec2().max(UVec2::ONE)
     }
 
-    /// The spacing allowed in each cell, row by row.
-    pub(super) fn spacings(&self) -> impl Iterator<Item = DVec2> {
-        let count = self.count();
+    /// The spacing allowed in each cell, row by row; where it is `enough` along both axes, any that is.
+    pub(super) fn spacings(&self, enough: f64) -> impl Iterator<Item = DVec2> {
+        let (count, blocks) = (self.count(), self.blocks(enough));
         (0..count.y)
             .flat_map(move |y| (0..count.x).map(move |x| UVec2::new(x, y)))
-            .map(|index| self.spacing_from(index.as_dvec2() * self.cell).0)
+            .map(move |index| match blocks.of(index) {
+                Some(spacing) => spacing,
+                None => self.spacing_from(index.as_dvec2() * self.cell).0,
+            })
+    }
+
+    /// What suffices in all of a block of cells suffices in each of them: far from the gaze, most cells need not
+    /// be looked at.
+    fn blocks(&self, enough: f64) -> Blocks {
+        let across = self.count().x.div_ceil(BLOCK);
+        let down = self.count().y.div_ceil(BLOCK);
+        let side = self.cell * f64::from(BLOCK);
+        let places =
+            (0..down).flat_map(|y| (0..across).map(move |x| DVec2::new(x.into(), y.into())));
+        let spacing = |place: DVec2| {
+            let first = place * side;
+            let last = (first + side).min(self.size);
+            let spacing = self.need.spacing(area(self.need.screen, first, last));
+            (spacing.min_element() >= enough).then_some(spacing)
+        };
+        Blocks {
+            across,
+            spacings: places.map(spacing).collect(),
+        }
     }
 
     /// The spacing allowed in each cell and its pixels (of which there may be fractions); their sum is
     /// the screen. Where there are very many cells, as many as can be afforded of that size, evenly
-    /// spread, stand for all: then counts are good to about 1e-3.
-    pub(super) fn survey(&self, mut visit: impl FnMut(DVec2, f64)) {
+    /// spread, stand for all: then counts are good to about 1e-3. `enough` is as for [`Cells::spacings`].
+    pub(super) fn survey(&self, enough: f64, mut visit: impl FnMut(DVec2, f64)) {
         let count = (self.size / self.cell).ceil().max(DVec2::ONE);
         let share = (MOST_SURVEYED / (count.x * count.y)).min(1.0).sqrt();
         let whole = share >= 1.0;
         let looked_at = (count * share).floor().max(DVec2::ONE);
         let pixels = self.size.x * self.size.y / (looked_at.x * looked_at.y);
+        let blocks = match whole {
+            true => self.blocks(enough),
+            false => Blocks::default(),
+        };
         for y in 0..looked_at.y as u64 {
             for x in 0..looked_at.x as u64 {
                 let index = DVec2::new(x as f64, y as f64);
-                if whole {
+                if let Some(spacing) = blocks.of(index.as_uvec2()) {
+                    let first = index * self.cell;
+                    let pixels = (first + self.cell).min(self.size) - first;
+                    visit(spacing, pixels.x * pixels.y);
+                } else if whole {
                     let (spacing, pixels) = self.spacing_from(index * self.cell);
                     visit(spacing, pixels);
                 } else {
@@ -100,12 +150,46 @@ mod tests {
             margin_deg: 2.0,
         };
         let (mut coarse, mut all) = (0.0, 0.0);
-        Cells::new(&need, UVec2::splat(8)).survey(|spacing, pixels| {
+        Cells::new(&need, UVec2::splat(8)).survey(f64::INFINITY, |spacing, pixels| {
             all += pixels;
             coarse += pixels * f64::from(spacing.max_element() >= 0.004 * width_px);
         });
         assert!((all / screen.pixels() - 1.0).abs() < 1e-9);
         (coarse / all, screen.pixels() / 64.0)
+    }
+
+    /// Whole blocks that suffice are the cells that do, one by one.
+    #[test]
+    fn blocks_leave_nothing_out() {
+        for (width, at) in [
+            (700.0, (11.0, 7.0)),
+            (1333.0, (-40.0, 3.0)),
+            (90.0, (0.0, 0.0)),
+        ] {
+            let screen = Screen::planar(width, 1.7, 0.6).unwrap();
+            let need = Need {
+                screen: &screen,
+                acuity: Acuity::default(),
+                gaze: GazeDirection::new(at.0, at.1).vector(),
+                margin_deg: 1.0,
+            };
+            let cells = Cells::new(&need, UVec2::splat(16));
+            let capped = |enough: f64| -> Vec<DVec2> {
+                cells
+                    .spacings(enough)
+                    .map(|s| s.min(DVec2::splat(4.0)))
+                    .collect()
+            };
+            assert_eq!(capped(4.0), capped(f64::INFINITY));
+            let pixels = |enough: f64| {
+                let mut all = Vec::new();
+                cells.survey(enough, |s, pixels| {
+                    all.push((s.min(DVec2::splat(4.0)), pixels))
+                });
+                all
+            };
+            assert_eq!(pixels(4.0), pixels(f64::INFINITY));
+        }
     }
 
     /// A survey of some cells says what a survey of all does.

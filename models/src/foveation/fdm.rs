@@ -17,7 +17,10 @@ pub(super) fn plan(settings: &TileSettings, request: &Request) -> SamplePlan {
     let need = request.need(&screen);
     let cell = UVec2::splat(settings.tile());
     let spacings = Cells::new(&need, cell);
-    let densities: Vec<Density> = spacings.spacings().map(|s| density(settings, s)).collect();
+    let densities: Vec<Density> = spacings
+        .spacings(settings.enough())
+        .map(|s| density(settings, s))
+        .collect();
     mosaic::plan(
         Method::Fdm(*settings).to_string(),
         request,
@@ -29,8 +32,9 @@ pub(super) fn plan(settings: &TileSettings, request: &Request) -> SamplePlan {
 /// The same with fractions of samples.
 pub(super) fn estimate(settings: &TileSettings, need: &Need<'_>) -> Estimate {
     let mut tally = Tally::default();
-    Cells::new(need, UVec2::splat(settings.tile()))
-        .survey(|spacing, pixels| tally.add(density(settings, spacing), pixels));
+    Cells::new(need, UVec2::splat(settings.tile())).survey(settings.enough(), |spacing, pixels| {
+        tally.add(density(settings, spacing), pixels)
+    });
     tally.estimate()
 }
 

@@ -90,7 +90,7 @@ impl RatesSettings {
         let cells = Cells::new(need, cell);
         let count = cells.count();
         let mut finest = [count.x, count.y].map(|n| vec![f64::INFINITY; n as usize]);
-        for (i, spacing) in cells.spacings().enumerate() {
+        for (i, spacing) in cells.spacings(ENOUGH).enumerate() {
             let (x, y) = (i % count.x as usize, i / count.x as usize);
             finest[0][x] = finest[0][x].min(spacing.x);
             finest[1][y] = finest[1][y].min(spacing.y);
@@ -107,6 +107,9 @@ impl RatesSettings {
         (fours.ceil().max(DVec2::ONE) * 4.0).as_uvec2()
     }
 }
+
+/// With samples so far apart \[px\], one in four pixels is drawn: the coarsest rate.
+const ENOUGH: f64 = 4.0;
 
 /// The fewest samples per four pixels that keep to a spacing \[px\].
 fn per_four(spacing: f64) -> u32 {

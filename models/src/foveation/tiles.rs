@@ -56,6 +56,11 @@ impl TileSettings {
         Self { aim, ..self }
     }
 
+    /// No rate is coarser than for this spacing \[px\].
+    pub(super) fn enough(&self) -> f64 {
+        f64::from(self.max)
+    }
+
     /// The coarsest rate allowed that keeps to a spacing \[px\].
     pub(super) fn side(&self, spacing: f64) -> u32 {
         let fits = |side: &u32| *side <= self.max && f64::from(*side) <= spacing;

@@ -15,7 +15,7 @@ pub(super) fn plan(settings: &TileSettings, request: &Request) -> Result<SampleP
     let screen = (&request.viewport).into();
     let need = request.need(&screen);
     let cells = Cells::new(&need, UVec2::splat(settings.tile()));
-    let mut spacings = cells.spacings();
+    let mut spacings = cells.spacings(settings.enough());
     let rates = TileRates::new(size, settings.tile(), |_| {
         let spacing = spacings.next().expect("one cell for each tile");
         rate(settings, spacing)
@@ -29,7 +29,7 @@ pub(super) fn plan(settings: &TileSettings, request: &Request) -> Result<SampleP
 /// The same with fractions of blocks.
 pub(super) fn estimate(settings: &TileSettings, need: &Need<'_>) -> Estimate {
     let (mut shadings, mut block) = (0.0, 1.0f64);
-    Cells::new(need, UVec2::splat(settings.tile())).survey(|spacing, pixels| {
+    Cells::new(need, UVec2::splat(settings.tile())).survey(settings.enough(), |spacing, pixels| {
         let rate = rate(settings, spacing);
         let shared = f64::from(rate.x * rate.y);
         shadings += pixels / shared;

@@ -7,9 +7,10 @@ use foveasim_models::Nanos;
 
 use crate::{Interval, Missed, STAGES, Setup, Stage, SyncMode};
 use host::Host;
+use locked::Meeting;
 use ticks::{longest, periods};
 
-pub use locked::LockedFlip;
+pub use locked::{Beat, LockedFlip};
 pub use ticks::until;
 
 /// Which movement is answered.
@@ -83,6 +84,8 @@ pub struct StageBounds {
     pub settling: Nanos,
     /// How long frames in flight take to come back to where they were, if they do so in turns; else 0.
     pub turn: Nanos,
+    /// After how long host and display meet as they did.
+    pub beat: Beat,
 }
 
 impl StageBounds {
@@ -115,7 +118,7 @@ impl StageBounds {
                 render.min - within(host.queue.min),
                 render.max - within(host.queue.max),
             );
-            let wait = Interval::new(Nanos::ZERO, host.cycle);
+            let wait = Interval::new(Nanos::ZERO, host.wait);
             let whole = Interval::new(host.to_flip.min - latch, host.wait_to_flip - latch);
             ([wait, queue, render, host.flip_wait], whole)
         };
@@ -123,7 +126,10 @@ impl StageBounds {
             0 => Interval::ZERO,
             n => periods(setup.scan.rate, i64::from(n)),
         };
-        let locked = LockedFlip::of(setup, render).filter(|_| setup.sync == SyncMode::Tearing);
+        let locked = match Meeting::of(setup, render) {
+            Meeting::Places(flip) if setup.sync == SyncMode::Tearing => Some(flip),
+            _ => None,
+        };
         let scan_wait = match setup.sync {
             SyncMode::Tearing => match &locked {
                 Some(flip) => flip.wait(refresh, row),
@@ -166,6 +172,7 @@ impl StageBounds {
             host_cycle: host.cycle,
             settling: host.settling,
             turn: host.turn,
+            beat: Beat::of(setup, render),
         }
     }
 

@@ -103,7 +103,8 @@ impl Run<'_, '_> {
         self.plan_vblank();
         self.scan.buffered = self.buffered();
         self.plan(now + self.active, Event::ScanEnd);
-        let slots = self.unflipped < self.setup.runtime.in_flight;
+        let runtime = &self.setup.runtime;
+        let slots = runtime.overlapped || self.unflipped < runtime.in_flight;
         if waits && slots && self.setup.runtime.start == FrameStart::AtVblank {
             self.plan(now, Event::FrameStart);
         }

@@ -10,7 +10,8 @@ use crate::{FrameStart, GazeStamp, PoseStamp, Rendered, Shown, Sink, SyncMode};
 
 impl Run<'_, '_> {
     fn in_flight_is_full(&self) -> bool {
-        self.in_work.len() >= self.setup.runtime.in_flight as usize
+        let runtime = &self.setup.runtime;
+        !runtime.overlapped && self.in_work.len() >= runtime.in_flight as usize
     }
 
     /// A host that runs freely is due to start a frame.
@@ -25,6 +26,9 @@ impl Run<'_, '_> {
     /// A host that waited may start a frame.
     pub(crate) fn frame_start(&mut self) {
         match (self.setup.sync, self.setup.runtime.start) {
+            (SyncMode::Vsync, FrameStart::AtVblank) if self.setup.runtime.overlapped => {
+                self.start_frame();
+            }
             (SyncMode::Vsync, FrameStart::AtVblank) => {
                 while self.unflipped < self.setup.runtime.in_flight {
                     self.start_frame();
@@ -88,9 +92,10 @@ impl Run<'_, '_> {
         };
         let duration = self.setup.cost.duration(&input).max(Nanos::ZERO);
         self.last_duration = duration;
-        let begun = self.in_work.back().map_or(now, |f| f.end.max(now));
-        let end = begun + duration;
         let runtime = &self.setup.runtime;
+        let before = self.in_work.back().filter(|_| !runtime.overlapped);
+        let begun = before.map_or(now, |f| f.end.max(now));
+        let end = begun + duration;
         let frame = Rendered {
             id,
             start: now,
@@ -116,8 +121,8 @@ impl Run<'_, '_> {
     fn next_to_latch(&mut self, what: usize) -> usize {
         let id = self.latched[what];
         self.latched[what] += 1;
-        let oldest = self.in_work.front().expect("a frame latches while in work");
-        (id - oldest.id) as usize
+        let place = self.in_work.iter().position(|f| f.id == id);
+        place.expect("a frame latches while in work")
     }
 
     pub(crate) fn latch_gaze(&mut self) {
@@ -135,16 +140,19 @@ impl Run<'_, '_> {
     /// When the host expects the middle row of a frame started at `now` to be lit, if it takes as long
     /// as the frame before (the first: one refresh).
     fn expected_photon_time(&self, now: Nanos) -> Nanos {
-        let ahead = self.in_work.len() as i64 + 1;
-        let finished = now + self.last_duration * ahead;
         let runtime = &self.setup.runtime;
+        let (ahead, in_flight) = match runtime.overlapped {
+            true => (1, 1),
+            false => (self.in_work.len() as i64 + 1, runtime.in_flight),
+        };
+        let finished = now + self.last_duration * ahead;
         let flipped = match self.setup.sync {
             SyncMode::Tearing => finished,
             SyncMode::VsyncFree | SyncMode::Vsync => {
                 let (rate, phase) = (self.setup.scan.rate, self.setup.phases.vblank);
                 let refreshes = match (self.setup.sync, self.halved) {
                     (SyncMode::Vsync, Some(_)) => 2,
-                    (SyncMode::Vsync, None) => i64::from(runtime.in_flight),
+                    (SyncMode::Vsync, None) => i64::from(in_flight),
                     _ => 1,
                 };
                 // A frame that starts at a blank cannot flip at the same one.
@@ -170,13 +178,19 @@ impl Run<'_, '_> {
 
     pub(crate) fn render_end<S: Sink>(&mut self, sink: &mut S) -> ControlFlow<()> {
         let now = self.calendar.now();
-        let frame = self
-            .in_work
-            .pop_front()
+        // The oldest of those that end now: ends are in the order of starts, unless frames overlap.
+        let place = self.in_work.iter().position(|f| f.end == now);
+        let frame = place
+            .and_then(|i| self.in_work.remove(i))
             .expect("a frame that ends was in work");
         self.counts.frames += 1;
         let waits = self.setup.sync == SyncMode::Vsync;
-        if self.setup.sync == SyncMode::Tearing {
+        let newest = self.newest_finished.is_none_or(|id| id < frame.id);
+        self.newest_finished = self.newest_finished.max(Some(frame.id));
+        if !newest {
+            // Overtaken by a newer one, it is never shown.
+            self.unflipped = self.unflipped.saturating_sub(1);
+        } else if self.setup.sync == SyncMode::Tearing {
             self.front = Some(Shown {
                 frame,
                 composed: now,
@@ -186,7 +200,8 @@ impl Run<'_, '_> {
             self.tear(now);
         } else {
             // Frames in flight queue up for their flips; else a newer frame replaces one that waits.
-            if !(waits && self.setup.runtime.in_flight > 1) {
+            let runtime = &self.setup.runtime;
+            if !waits || runtime.in_flight == 1 || runtime.overlapped {
                 let replaced = self.ready.len() as u32;
                 self.unflipped = self.unflipped.saturating_sub(replaced);
                 self.ready.clear();

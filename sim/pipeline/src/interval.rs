@@ -34,6 +34,15 @@ impl Interval {
         self.min <= t && t <= self.max
     }
 
+    /// The smallest that holds both.
+    #[must_use]
+    pub fn hull(self, other: Self) -> Self {
+        Self {
+            min: self.min.min(other.min),
+            max: self.max.max(other.max),
+        }
+    }
+
     /// How far apart its ends are.
     pub fn width(self) -> Nanos {
         self.max - self.min

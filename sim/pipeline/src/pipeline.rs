@@ -143,6 +143,8 @@ pub(crate) struct Run<'p, 'a> {
     pub(crate) last_duration: Nanos,
     /// Number of the vertical blank that the last frame started just in time is meant for.
     pub(crate) target: i64,
+    /// The newest frame that is finished.
+    pub(crate) newest_finished: Option<u64>,
     /// Finished, not yet composed.
     pub(crate) ready: &'p mut VecDeque<Rendered>,
     /// Composed, not yet flipped; and whether its frame is new.
@@ -202,6 +204,7 @@ impl<'p, 'a> Run<'p, 'a> {
             last_start: None,
             last_duration: clock.rate.period(),
             target: i64::MIN,
+            newest_finished: None,
             ready: &mut memory.ready,
             composed: None,
             front: None,

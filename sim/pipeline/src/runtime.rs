@@ -26,6 +26,10 @@ pub struct Runtime {
     /// Frames that may be started and not yet shown (not yet finished, if the host runs freely), from
     /// 1 to 3. They are rendered one at a time, in order.
     pub in_flight: u32,
+    /// Frames wait for no earlier ones: each is rendered as soon as it is started, however many are in work,
+    /// one is started at every vertical blank (or tick of a host that runs freely), and the newest finished is
+    /// shown. No machine does this; it is what is left of a chain when its queue takes no time.
+    pub overlapped: bool,
     /// The gaze is read this long after a frame starts, at the latest when it ends.
     pub gaze_latch: Nanos,
     /// The head pose is read this long after a frame starts, at the latest when it ends.
@@ -44,6 +48,7 @@ impl Default for Runtime {
             lead: Nanos::ZERO,
             warp: None,
             in_flight: 1,
+            overlapped: false,
             gaze_latch: Nanos::ZERO,
             pose_latch: Nanos::ZERO,
             host_lock: None,
@@ -181,7 +186,7 @@ impl Runtime {
         }
         match self.start {
             FrameStart::AtVblank => {}
-            FrameStart::JustInTime { .. } if !waits || self.in_flight > 1 => {
+            FrameStart::JustInTime { .. } if !waits || self.in_flight > 1 || self.overlapped => {
                 let valid = "at-vblank, unless sync is vsync with one frame in flight";
                 return error("frame start", "just-in-time".into(), valid);
             }
@@ -192,7 +197,7 @@ impl Runtime {
             }
             FrameStart::JustInTime { .. } => {}
         }
-        let plain = self.start == FrameStart::AtVblank && self.in_flight == 1;
+        let plain = self.start == FrameStart::AtVblank && self.in_flight == 1 && !self.overlapped;
         if self.missed == Missed::HalfRate && !(waits && plain) {
             let valid = "repeat or reproject, unless sync is vsync, with frames started at the \
                          vertical blank and one in flight";

@@ -69,14 +69,6 @@ impl Chain {
                 return Err(ModelError::range(field, latch.as_ms(), valid));
             }
         }
-        if self.runtime.host_lock.is_some() && self.host_rate != self.display.scan.rate {
-            let valid = "the display's rate, where the clocks are locked";
-            return Err(ModelError::range(
-                "host rate [Hz]",
-                self.host_rate.hz(),
-                valid,
-            ));
-        }
         if self.eye >= self.display.eyes.len() {
             let valid = "left: this display shows both eyes one image";
             return Err(ModelError::range("eye", "right", valid));

@@ -66,6 +66,9 @@ const MAX_RENDER: Nanos = Nanos(10_000_000_000);
 /// The most runs of a study: its counts stay exact, and it ends.
 pub const MAX_RUNS: u64 = 1_000_000_000;
 
+/// Runs begin in one of so many refreshes, of those in which clocks meet differently.
+const MOST_REFRESHES: i64 = 1 << 20;
+
 /// Runs simulated by one thread before the next chunk is handed out.
 const CHUNK: u64 = 1 << 14;
 
@@ -90,6 +93,9 @@ pub struct RunStart {
     pub begin: Nanos,
     /// From the head's movement, at 0 too, to the next head sample.
     pub head_wait: Nanos,
+    /// How far behind the display's clock a host that is locked to it, and that frames always overrun, has
+    /// fallen already.
+    pub behind: Nanos,
 }
 
 impl LatencyStudy {
@@ -199,10 +205,23 @@ impl LatencyStudy {
             Nanos::ZERO => begin,
             turn => begin - within(turn),
         };
+        // So does a host that meets the display's clock in turns.
+        let beat = &bounds.beat;
+        let mut one_of = |n: u64| match n {
+            1 => 0,
+            n => stream.below(n) as i64,
+        };
+        let passed = one_of(beat.refreshes.min(MOST_REFRESHES) as u64);
+        let behind = beat.overrun * one_of(beat.overruns());
+        let phases = Phases {
+            vblank: phases.vblank - self.chain.display.scan.rate.tick(passed),
+            ..phases
+        };
         RunStart {
             phases,
             begin,
             head_wait,
+            behind,
         }
     }
 
@@ -242,17 +261,29 @@ impl LatencyStudy {
         [seed, run]: [u64; 2],
         start: RunStart,
     ) -> (LatencySample, u64) {
-        let setup = Setup {
+        let mut setup = Setup {
             seed,
             run,
             ..self.chain.setup(cost, start.phases)
         };
+        if let Some(lock) = setup.runtime.host_lock
+            && start.behind > Nanos::ZERO
+        {
+            // Frames follow each other without end: when the first began is all that its clock decides.
+            setup.phases.host = setup.phases.vblank + lock - start.behind;
+            setup.runtime.host_lock = None;
+        }
         let sampled = start.head_wait;
         let known = sampled + self.chain.head.delay;
         let head = Sensed {
             times: [sampled, sampled, sampled, known],
         };
-        let mut observer = Observer::new(Nanos::ZERO, head, frame.edges);
+        let mut observer = Observer::new(
+            Nanos::ZERO,
+            head,
+            frame.edges,
+            setup.sync == SyncMode::Tearing,
+        );
         let counts = pipeline.run(&setup, start.begin, frame.end, &mut observer);
         let sample = observer
             .sample()

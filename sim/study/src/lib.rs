@@ -73,7 +73,8 @@ pub use spacing::{CurvePoint, SpacingCurve, SpacingOutcome, SpacingRow, SpacingS
 pub use stereo::{StereoOutcome, StereoStudy};
 pub use supersample::supersampled;
 pub use sweep::{
-    DensityAt, Drawn, GazeAt, Resolution, SWEEP_COLUMNS, Sweep, SweepDisplay, SweepEye, SweepRow,
+    Buffers, DensityAt, Drawn, Fits, GazeAt, Link, Needs, Resolution, SWEEP_COLUMNS, Shard, Sweep,
+    SweepDisplay, SweepEye, SweepRow, Terms,
 };
 pub use temporal::{FrameSource, PlaceSource, TemporalQuality, TemporalRing, TemporalStudy};
 pub use tracks::Tracks;

@@ -2,12 +2,21 @@
 
 mod display;
 mod row;
+mod shard;
+mod terms;
 
 pub use display::{DensityAt, Resolution, SweepDisplay, SweepEye};
 pub use row::{COLUMNS as SWEEP_COLUMNS, Drawn, SweepRow};
+pub use shard::Shard;
+pub use terms::{Buffers, Fits, Link, Needs, Terms};
 
-use foveasim_models::foveation::{Aim, Estimate, FloorDensity, Method, Request, ideal_samples};
+use std::sync::Arc;
+
+use foveasim_models::foveation::{
+    Aim, Estimate, FloorDensity, Method, PassEstimate, Request, ideal_samples,
+};
 use foveasim_models::{Acuity, GazeDirection, GazeMode, ModelError};
+use foveasim_reports::TableDigest;
 use glam::DVec2;
 use rayon::prelude::*;
 
@@ -37,6 +46,8 @@ pub struct Sweep {
     pub margins_deg: Vec<f64>,
     /// Methods.
     pub methods: Vec<Method>,
+    /// What time, memory and link cost.
+    pub terms: Arc<Terms>,
 }
 
 /// Where the eyes look.
@@ -73,25 +84,10 @@ impl Sweep {
     /// The first error in row order: a margin that is not from 0 to 90 degrees, or a gaze that is not
     /// finite.
     pub fn run(&self, on_rows: impl Fn(u64) + Sync) -> Result<Vec<SweepRow>, ModelError> {
-        let mut situations = Vec::new();
-        for display in &self.displays {
-            for &acuity in &self.acuities {
-                for &gaze in &self.gazes {
-                    for &margin_deg in &self.margins_deg {
-                        situations.push(Situation {
-                            display,
-                            acuity,
-                            gaze,
-                            margin_deg,
-                        });
-                    }
-                }
-            }
-        }
-        let rows: Vec<Result<Vec<SweepRow>, ModelError>> = situations
-            .par_iter()
-            .map(|s| {
-                let rows = s.rows(&self.methods, self.gaze_mode);
+        let rows: Vec<Result<Vec<SweepRow>, ModelError>> = (0..self.groups())
+            .into_par_iter()
+            .map(|group| {
+                let rows = self.rows(group);
                 on_rows(self.methods.len() as u64);
                 rows
             })
@@ -102,6 +98,63 @@ impl Sweep {
         }
         Ok(all)
     }
+
+    /// How many groups of rows there are that differ in their method alone.
+    pub fn groups(&self) -> usize {
+        self.len() / self.methods.len().max(1)
+    }
+
+    /// What the rows of one group are made from, as 64 hexadecimal digits: the same for the same display, acuity,
+    /// gaze, margin, methods and terms in the same version, in whatever sweep.
+    ///
+    /// # Panics
+    /// If there is no such group.
+    pub fn address(&self, group: usize) -> String {
+        let Situation {
+            display,
+            acuity,
+            gaze,
+            margin_deg,
+            terms,
+        } = self.situation(group);
+        let made_from = format!(
+            "{display:?} {acuity:?} {gaze:?} {margin_deg:?} {terms:?} {:?} {:?}",
+            self.gaze_mode, self.methods
+        );
+        TableDigest::new(&[made_from.as_str(), env!("CARGO_PKG_VERSION")]).finish()
+    }
+
+    /// The rows of one group, a method each.
+    ///
+    /// # Errors
+    /// As [`Sweep::run`].
+    ///
+    /// # Panics
+    /// If there is no such group.
+    pub fn rows(&self, group: usize) -> Result<Vec<SweepRow>, ModelError> {
+        self.situation(group).rows(&self.methods, self.gaze_mode)
+    }
+
+    fn situation(&self, group: usize) -> Situation<'_> {
+        let mut rest = group;
+        let mut next = |n: usize| {
+            let place = rest % n;
+            rest /= n;
+            place
+        };
+        let margin_deg = self.margins_deg[next(self.margins_deg.len())];
+        let gaze = self.gazes[next(self.gazes.len())];
+        let acuity = self.acuities[next(self.acuities.len())];
+        let display = &self.displays[next(self.displays.len())];
+        assert_eq!(rest, 0, "group {group} of {}", self.groups());
+        Situation {
+            display,
+            acuity,
+            gaze,
+            margin_deg,
+            terms: &self.terms,
+        }
+    }
 }
 
 /// What rows of different methods share.
@@ -110,6 +163,7 @@ struct Situation<'a> {
     acuity: Acuity,
     gaze: GazeAt,
     margin_deg: f64,
+    terms: &'a Arc<Terms>,
 }
 
 impl Situation<'_> {
@@ -197,6 +251,12 @@ impl Situation<'_> {
         let aim = method.aim();
         let mut estimates = self.estimates(method, mode)?;
         let total = |f: fn(&Estimate) -> f64| estimates.iter().map(f).sum();
+        let passes = |count: fn(&PassEstimate) -> f64| {
+            let all = estimates.iter().flat_map(|e| &e.passes);
+            all.filter(|p| p.samples > 0.0 || p.shadings > 0.0)
+                .map(count)
+                .sum()
+        };
         let first = &self.display.eyes[0];
         let (true_gaze, drawn) = (self.true_gaze(first), self.drawn_gaze(first, aim, mode));
         let reach = |e: &SweepEye| e.screen.reach_from_deg(self.drawn_gaze(e, aim, mode));
@@ -225,6 +285,10 @@ impl Situation<'_> {
             drawn: self.drawn(method, mode)?,
             tracked_over_fixed: self.tracked_over_fixed(method, mode)?,
             extrapolated: farthest.fold(0.0, f64::max) > MEASURED_TO_DEG,
+            terms: self.terms.clone(),
+            passes: passes(|_| 1.0),
+            passes_staggered: passes(|p| 1.0 / f64::from(p.every)),
+            reconstructed: estimates.iter().any(Estimate::is_reconstructed),
             layers: estimates.swap_remove(0),
         })
     }
@@ -286,7 +350,6 @@ const MEASURED_TO_DEG: f64 = Acuity::MEASURED_TO_DEG + 0.005;
 
 #[cfg(test)]
 mod tests {
-    use foveasim_models::foveation::PassEstimate;
     use foveasim_models::presets;
     use foveasim_reports::Cell;
 
@@ -300,6 +363,7 @@ mod tests {
             gaze_mode: GazeMode::Tracked,
             margins_deg: vec![0.0],
             methods: Method::parse_list(methods).unwrap(),
+            terms: Arc::default(),
         }
     }
 

@@ -1,7 +1,7 @@
 use foveasim_models::Nanos;
 
 use super::BoundKind;
-use super::locked::LockedFlip;
+use super::locked::{LockedFlip, Meeting};
 use super::queue::Queue;
 use super::ticks::{longest, periods, refreshes};
 use crate::runtime::LEAST_RESERVE;
@@ -12,6 +12,8 @@ use crate::{FrameStart, Interval, Missed, Setup, SyncMode};
 pub(super) struct Host {
     /// Longest time from one frame's start to the next.
     pub(super) cycle: Nanos,
+    /// Longest time until the start of the frame that answers first: a newer one, where frames overlap.
+    pub(super) wait: Nanos,
     /// From its start until rendering begins.
     pub(super) queue: Interval,
     /// From the end of rendering until the compositor takes it.
@@ -31,12 +33,57 @@ pub(super) struct Host {
     pub(super) turn: Nanos,
 }
 
+/// What becomes of the queue of frames that take a refresh, less the part of a nanosecond, while a run lasts.
+const SHRINKS: Nanos = Nanos(256);
+
+/// How the frames of a host that runs freely follow each other.
+struct Turns {
+    cycle: Nanos,
+    wait: Nanos,
+    queue: Interval,
+    /// Longest time from the end of one frame to the end of the next that is shown.
+    ends: Nanos,
+}
+
+impl Turns {
+    fn of(setup: &Setup<'_>, render: Interval) -> Self {
+        let period = longest(setup.host_rate, 1);
+        // A short frame before a long one.
+        let uneven = period + render.width();
+        if setup.runtime.overlapped {
+            // Newer frames may be finished before an older one is: of the longest, the last that is.
+            let overtaken = (render.width().0 - 1).max(0) / period.0;
+            return Self {
+                cycle: period,
+                wait: period * (1 + overtaken),
+                queue: Interval::ZERO,
+                ends: uneven,
+            };
+        }
+        let ahead = i64::from(setup.runtime.in_flight) - 1;
+        // Frames that never wait for the clock wait for all those before them.
+        let queued = |t: Nanos| match t > period {
+            true => t * ahead,
+            false => Nanos::ZERO,
+        };
+        Self {
+            cycle: render.max.max(period),
+            wait: render.max.max(period),
+            queue: Interval::new(queued(render.min), queued(render.max)),
+            ends: render.max.max(uneven),
+        }
+    }
+}
+
 impl Host {
     pub(super) fn new(setup: &Setup<'_>, render: Interval) -> Self {
         match (setup.sync, setup.runtime.start) {
             (SyncMode::Tearing | SyncMode::VsyncFree, _) => Self::free(setup, render),
             (SyncMode::Vsync, FrameStart::JustInTime { reserve }) => {
                 Self::just_in_time(setup, render, reserve)
+            }
+            (SyncMode::Vsync, FrameStart::AtVblank) if setup.runtime.overlapped => {
+                Self::overlapped(setup, render)
             }
             (SyncMode::Vsync, FrameStart::AtVblank) if setup.runtime.in_flight == 1 => {
                 Self::blocked(setup, render)
@@ -47,37 +94,32 @@ impl Host {
 
     /// Frames start with the host's own clock, or as soon as one of those in flight is finished.
     fn free(setup: &Setup<'_>, render: Interval) -> Self {
-        let locked = setup.runtime.host_lock.is_some();
-        if let Some(flip) = LockedFlip::of(setup, render)
+        let meeting = Meeting::of(setup, render);
+        if let Meeting::Places(flip) = meeting
             && setup.sync == SyncMode::VsyncFree
         {
-            return Self::locked(setup, flip);
+            return Self::locked(setup, &flip);
         }
-        let (period, refresh) = (longest(setup.host_rate, 1), longest(setup.scan.rate, 1));
-        let ahead = i64::from(setup.runtime.in_flight) - 1;
-        let cycle = render.max.max(period);
-        // Frames that never wait for the clock wait for all those before them.
-        let queued = |t: Nanos| match t > period {
-            true => t * ahead,
-            false => Nanos::ZERO,
-        };
-        let queue = Interval::new(queued(render.min), queued(render.max));
+        let refresh = longest(setup.scan.rate, 1);
+        let Turns {
+            cycle,
+            wait,
+            queue,
+            ends,
+        } = Turns::of(setup, render);
         let lead = Interval::exactly(setup.runtime.lead);
         let flip_wait = match setup.sync {
             SyncMode::Tearing => Interval::ZERO,
             _ => Interval::new(Nanos::ZERO, refresh),
         };
-        // A locked host that overruns its clock, or has one of another rate, meets the display in a pattern of
-        // its own.
-        let free_of_it = match !locked || LockedFlip::of(setup, render).is_some() {
-            true => BoundKind::Exact,
-            false => BoundKind::Outer,
+        let whole_is = match meeting {
+            Meeting::Mixed => BoundKind::Outer,
+            Meeting::Places(_) | Meeting::Anywhere => BoundKind::Exact,
         };
         let to_flip = queue + render + flip_wait + lead;
-        // From the end of one frame to the end of the next: a short one before a long one.
-        let ends = render.max.max(period + render.max - render.min);
         Self {
             cycle,
+            wait,
             queue,
             flip_wait,
             to_flip,
@@ -86,38 +128,64 @@ impl Host {
                 setup.scan.rate,
                 setup.scan.rate.first_at_or_after(ends).max(1),
             ),
-            whole_is: free_of_it,
-            parts_are: free_of_it,
+            whole_is,
+            parts_are: BoundKind::Exact,
             settling: Nanos::ZERO,
             turn: Nanos::ZERO,
         }
     }
 
-    /// Frames start a fixed time after each vertical blank and are finished before the next one is due.
-    fn locked(setup: &Setup<'_>, flip: LockedFlip) -> Self {
+    /// As [`Host::free`], of frames that begin in certain places of the refresh only.
+    fn locked(setup: &Setup<'_>, flip: &LockedFlip) -> Self {
         let (rate, lead) = (setup.scan.rate, setup.runtime.lead);
-        let LockedFlip { lock, render } = flip;
-        let (first, _) = refreshes(rate, lock + render.min + lead);
-        let (_, last) = refreshes(rate, lock + render.max + lead);
-        let after = |n: i64, t: Nanos| (longest(rate, n) - lead - lock - t).max(Nanos::ZERO);
-        let flip_wait = match first == last {
-            true => {
-                let least = rate.tick(first) - lead - lock - render.max;
-                Interval::new(least.max(Nanos::ZERO), after(first, render.min))
-            }
-            // One that ends just after the deadline waits for the next.
-            false => Interval::new(Nanos::ZERO, after(first, render.min).max(longest(rate, 1))),
+        let render = flip.render;
+        let Turns {
+            cycle, wait, queue, ..
+        } = Turns::of(setup, render);
+        let (mut flip_wait, mut to_flip, mut flips) = (None, None, 0);
+        let mut from_the_tick_before = Nanos::ZERO;
+        let join = |so_far: &mut Option<Interval>, next: Interval| {
+            *so_far = Some(so_far.map_or(next, |i| i.hull(next)));
         };
-        let least = (rate.tick(first) - lock).max(render.min + lead);
-        let to_flip = Interval::new(least, longest(rate, last) - lock);
-        let cycle = longest(rate, 1);
+        for begun in flip.beginnings() {
+            let blank = |t: Nanos| refreshes(rate, begun + t + lead);
+            let ((first, _), (_, last)) = (blank(render.min), blank(render.max));
+            let after = |n: i64, t: Nanos| (longest(rate, n) - lead - begun - t).max(Nanos::ZERO);
+            join(
+                &mut flip_wait,
+                match first == last {
+                    true => {
+                        let least = rate.tick(first) - lead - begun - render.max;
+                        Interval::new(least.max(Nanos::ZERO), after(first, render.min))
+                    }
+                    // One that ends just after the deadline waits for the next.
+                    false => {
+                        Interval::new(Nanos::ZERO, after(first, render.min).max(longest(rate, 1)))
+                    }
+                },
+            );
+            let least = (rate.tick(first) - begun).max(render.min + lead);
+            join(
+                &mut to_flip,
+                Interval::new(least, longest(rate, last) - begun),
+            );
+            let before = match setup.host_rate == rate && cycle == longest(rate, 1) {
+                true => longest(rate, last + 1) - begun,
+                false => cycle + longest(rate, last) - begun,
+            };
+            from_the_tick_before = from_the_tick_before.max(before);
+            let (_, next) = blank(cycle + render.max);
+            flips = flips.max(next - first);
+        }
+        let to_flip = queue + to_flip.expect("frames begin somewhere");
         Self {
             cycle,
-            queue: Interval::ZERO,
-            flip_wait,
+            wait,
+            queue,
+            flip_wait: flip_wait.expect("frames begin somewhere"),
             to_flip,
-            wait_to_flip: cycle + to_flip.max,
-            flips: longest(rate, 1 + last - first),
+            wait_to_flip: queue.max + from_the_tick_before,
+            flips: longest(rate, flips.max(1)),
             whole_is: BoundKind::Exact,
             parts_are: BoundKind::Exact,
             settling: Nanos::ZERO,
@@ -156,6 +224,7 @@ impl Host {
         let flip_wait = Interval::new(shortest_wait, longest_wait);
         Self {
             cycle,
+            wait: cycle,
             queue: Interval::ZERO,
             flip_wait,
             to_flip: Interval::new(first, cycle),
@@ -168,6 +237,16 @@ impl Host {
         }
     }
 
+    /// Frames start at every vertical blank and are rendered at once; the newest finished one flips.
+    fn overlapped(setup: &Setup<'_>, render: Interval) -> Self {
+        let flip = LockedFlip::at_blanks(setup, render);
+        let at_the_display = Setup {
+            host_rate: setup.scan.rate,
+            ..*setup
+        };
+        Self::locked(&at_the_display, &flip)
+    }
+
     /// As [`Host::blocked`], with more frames in flight.
     fn queued(setup: &Setup<'_>, render: Interval) -> Self {
         let (rate, lead) = (setup.scan.rate, setup.runtime.lead);
@@ -175,20 +254,46 @@ impl Host {
         let up = |t: Nanos| rate.first_at_or_after(t).max(1);
         let keeps_up = render.max <= rate.period() && render.max + lead <= rate.tick(n);
         if keeps_up {
-            // Every blank flips one frame and starts one. When the first ones are rendered, and when
-            // they then wait for their flips, is left open: n start at once, and the queue of those
-            // that take nearly a refresh never empties.
+            // Every blank flips one frame and starts one. n start at once, and the queue of those that
+            // take nearly a refresh never empties; that of others does.
             let whole = periods(rate, n);
+            let all = render.max * (n - up(render.max + lead));
+            let fills = |queue: Interval| {
+                let least = whole.min - lead - queue.max - render.max;
+                let most = whole.max - lead - queue.min - render.min;
+                Interval::new(least.max(Nanos::ZERO), most)
+            };
+            let never_empties = render.min == rate.period();
+            let followed = match never_empties {
+                true => None,
+                false => Queue::follow(setup, render),
+            };
+            let (queue, flip_wait, parts_are, settling) = match followed {
+                None if never_empties => {
+                    // By less than a nanosecond a refresh: what runs see of it is far below a microsecond.
+                    let queue = Interval::new((all - SHRINKS).max(Nanos::ZERO), all);
+                    (queue, fills(queue), BoundKind::Exact, Nanos::ZERO)
+                }
+                Some(queue) => {
+                    let settling = longest(rate, queue.settling);
+                    (queue.waits, queue.flip_wait, BoundKind::Exact, settling)
+                }
+                None => {
+                    let queue = Interval::new(Nanos::ZERO, render.max * (n - 1));
+                    (queue, fills(queue), BoundKind::Outer, Nanos::ZERO)
+                }
+            };
             return Self {
                 cycle: longest(rate, 1),
-                queue: Interval::new(Nanos::ZERO, render.max * (n - 1)),
-                flip_wait: Interval::new(Nanos::ZERO, whole.max - lead - render.min),
+                wait: longest(rate, 1),
+                queue,
+                flip_wait,
                 to_flip: whole,
                 wait_to_flip: longest(rate, n + 1),
                 flips: longest(rate, 1),
                 whole_is: BoundKind::Exact,
-                parts_are: BoundKind::Outer,
-                settling: Nanos::ZERO,
+                parts_are,
+                settling,
                 turn: Nanos::ZERO,
             };
         }
@@ -196,6 +301,7 @@ impl Host {
             let [least, most] = queue.start_to_flip;
             return Self {
                 cycle: longest(rate, queue.cycle),
+                wait: longest(rate, queue.cycle),
                 queue: queue.waits,
                 flip_wait: queue.flip_wait,
                 to_flip: Interval::new(rate.tick(least), longest(rate, most)),
@@ -224,6 +330,7 @@ impl Host {
         let whole = Interval::new(rate.tick(least), longest(rate, most));
         Self {
             cycle: longest(rate, one + 1),
+            wait: longest(rate, one + 1),
             queue: Interval::new(Nanos::ZERO, b * (n - 1)),
             flip_wait: Interval::new(Nanos::ZERO, whole.max),
             to_flip: whole,
@@ -257,6 +364,7 @@ impl Host {
         };
         Self {
             cycle,
+            wait: cycle,
             queue: Interval::ZERO,
             flip_wait,
             to_flip,

@@ -1,69 +1,207 @@
-use foveasim_models::Nanos;
+use foveasim_models::{Nanos, Rate};
 
-use super::ticks::until;
 use crate::{Interval, Setup};
 
-/// When a host whose clock is the display's has its frames flip, if each is finished before the next is
-/// due: `lock` after a vertical blank and the time they render.
+/// Where the frames of a host whose clock is the display's begin to be rendered, and when they flip if they
+/// tear.
+///
+/// At the display's rate, frames that are finished before the next is due begin `lock` after every vertical
+/// blank. At another rate the host's ticks come back to where they were after as many refreshes as both periods
+/// have a common multiple of; and frames that always take the same time, longer than a period, begin one after
+/// the other without end. In all of these the places in the refresh are a lattice: `lock` and every multiple of
+/// the greatest common measure of the refresh, the host's period and, if they overrun, the frames' time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct LockedFlip {
-    /// From the vertical blank to the start of a frame.
-    pub lock: Nanos,
-    /// How long it renders.
-    pub render: Interval,
+    /// From the vertical blank to a tick of the host.
+    lock: Nanos,
+    /// In how many places of a refresh frames begin, evenly apart.
+    places: i64,
+    refresh: Rate,
+    /// How long frames render.
+    pub(super) render: Interval,
+}
+
+/// How frames of a host that runs freely meet the display.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Meeting {
+    /// They begin in these places of the refresh only.
+    Places(LockedFlip),
+    /// They begin anywhere in it (nowhere is further than [`DENSE`] from a place where they do), whatever
+    /// was before.
+    Anywhere,
+    /// Some begin at ticks of the host's clock and some anywhere, by how many wait for them.
+    Mixed,
+}
+
+/// Places of a refresh this close to each other are as good as all of it.
+const DENSE: Nanos = Nanos(1000);
+
+/// One nanosecond of one micro-hertz.
+const PERIOD_OF_A_MICRO_HZ: i128 = 1_000_000_000_000_000;
+
+impl Meeting {
+    /// Of `setup`, whose frames render for a time within `render`.
+    ///
+    /// Frames of uneven times, some of them longer than the host's period, begin anywhere: a frame that begins
+    /// at a time within \[s, s + w\] after a tick and takes up to b is followed by one that begins within
+    /// \[s, s + w + b − period\] after a tick, and so on until that is all of the period. What comes
+    /// next does not depend on what was, if one frame is in flight or none is shorter than a period.
+    pub(super) fn of(setup: &Setup<'_>, render: Interval) -> Self {
+        let Some(lock) = setup.runtime.host_lock else {
+            return Self::Anywhere;
+        };
+        let host = setup.host_rate;
+        let late = overruns(setup, render);
+        if late && render.width() > Nanos::ZERO {
+            return match setup.runtime.in_flight == 1 || render.min > host.period() {
+                true => Self::Anywhere,
+                false => Self::Mixed,
+            };
+        }
+        let Beat { places, .. } = Beat::of(setup, render);
+        match places > 1 && setup.scan.rate.period() <= DENSE * places {
+            true => Self::Anywhere,
+            false => Self::Places(LockedFlip {
+                lock,
+                places,
+                refresh: setup.scan.rate,
+                render,
+            }),
+        }
+    }
+}
+
+/// Whether frames may take longer than the host has for one.
+fn overruns(setup: &Setup<'_>, render: Interval) -> bool {
+    render.max > setup.host_rate.period() && !setup.runtime.overlapped
+}
+
+/// After how long a host whose clock is the display's meets it as it did.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct Beat {
+    /// In so many refreshes the host's clock comes back to where it was; 1 if the clocks are independent.
+    pub refreshes: i64,
+    /// Where frames begin moves by this from one to the next, whatever the host's clock says: the time they all
+    /// take, if it is longer than the host's period; else 0.
+    pub overrun: Nanos,
+    /// In how many places of a refresh, evenly apart, frames begin.
+    places: i64,
+}
+
+impl Beat {
+    pub(super) fn of(setup: &Setup<'_>, render: Interval) -> Self {
+        if setup.runtime.host_lock.is_none() {
+            return Self {
+                refreshes: 1,
+                overrun: Nanos::ZERO,
+                places: 1,
+            };
+        }
+        // In units of which both periods and a nanosecond have whole numbers.
+        let [host, display] = [setup.host_rate, setup.scan.rate].map(|r| i128::from(r.micro_hz()));
+        let common = greatest_common_divisor(host, display);
+        let unit = host / common * display;
+        let refresh = PERIOD_OF_A_MICRO_HZ * (host / common);
+        let period = PERIOD_OF_A_MICRO_HZ * (display / common);
+        let both = greatest_common_divisor(refresh, period);
+        let overrun = match overruns(setup, render) && render.width() == Nanos::ZERO {
+            true => render.max,
+            false => Nanos::ZERO,
+        };
+        let measure = greatest_common_divisor(both, i128::from(overrun.0) * unit);
+        Self {
+            refreshes: (period / both) as i64,
+            overrun,
+            places: (refresh / measure) as i64,
+        }
+    }
+
+    /// How many of them differ from each other, at most a million.
+    pub fn overruns(&self) -> u64 {
+        match self.overrun {
+            Nanos::ZERO => 1,
+            _ => self.places.min(1 << 20) as u64,
+        }
+    }
+}
+
+fn greatest_common_divisor(a: i128, b: i128) -> i128 {
+    match b {
+        0 => a,
+        _ => greatest_common_divisor(b, a % b),
+    }
 }
 
 impl LockedFlip {
-    /// Of such a host; `None` of any other.
-    pub(super) fn of(setup: &Setup<'_>, render: Interval) -> Option<Self> {
-        let rate = setup.scan.rate;
-        let lock = setup.runtime.host_lock?;
-        let keeps_up = render.max <= rate.period() && setup.host_rate == rate;
-        keeps_up.then_some(Self { lock, render })
+    /// Of frames that begin at vertical blanks.
+    pub(super) fn at_blanks(setup: &Setup<'_>, render: Interval) -> Self {
+        Self {
+            lock: Nanos::ZERO,
+            places: 1,
+            refresh: setup.scan.rate,
+            render,
+        }
+    }
+
+    /// How far the beam has come `t` after a frame begins in place number `place`.
+    fn beam(&self, place: i64, t: Nanos) -> Nanos {
+        let unit = i128::from(self.refresh.micro_hz()) * i128::from(self.places);
+        let whole = PERIOD_OF_A_MICRO_HZ * i128::from(self.places);
+        let at = i128::from((self.lock + t).0) * unit + PERIOD_OF_A_MICRO_HZ * i128::from(place);
+        Nanos((at.rem_euclid(whole) / unit) as i64)
+    }
+
+    /// How far the beam has come when frames begin.
+    pub(super) fn beginnings(&self) -> impl Iterator<Item = Nanos> + '_ {
+        (0..self.places).map(|place| self.beam(place, Nanos::ZERO))
+    }
+
+    /// Least and most of what depends on how long a frame renders and how far the beam has come then; it may
+    /// jump where the beam passes one of `edges`, and is steady, rises or falls by as much as the beam goes on
+    /// in between.
+    fn extremes(
+        &self,
+        refresh: Nanos,
+        edges: &[Nanos],
+        of: impl Fn(Nanos, Nanos) -> Nanos,
+    ) -> Interval {
+        let Interval { min, max } = self.render;
+        let (mut low, mut high) = (Nanos::MAX, Nanos(i64::MIN));
+        for place in 0..self.places {
+            let mut see = |t: Nanos| {
+                if self.render.contains(t) {
+                    let value = of(t, self.beam(place, t));
+                    (low, high) = (low.min(value), high.max(value));
+                }
+            };
+            see(min);
+            see(max);
+            let [first, last] = [min, max].map(|t| self.beam(place, t));
+            for edge in edges {
+                // Where the beam passes it first, and last: what lies between is no shorter and no longer.
+                let after = min + Nanos((*edge - first).0.rem_euclid(refresh.0));
+                let before = max - Nanos((last - *edge).0.rem_euclid(refresh.0));
+                for at in [after, before] {
+                    (-2..=2).for_each(|ns| see(at + Nanos(ns)));
+                }
+            }
+        }
+        Interval::new(low, high)
     }
 
     /// From the flip until the beam reaches `row`.
     pub(super) fn wait(&self, refresh: Nanos, row: Nanos) -> Interval {
-        // The wait alone: what is rendered longer is not counted.
-        let Interval { min, max } = self.render;
-        let mut ends = vec![min, max];
-        for n in -1..=2 {
-            let at = row + refresh * n - self.lock;
-            ends.extend([at, at + Nanos(1)]);
-        }
-        let beam = |t: Nanos| Nanos((self.lock + t).0.rem_euclid(refresh.0));
-        let waits = ends
-            .into_iter()
-            .filter(|t| self.render.contains(*t))
-            .map(|t| until(row, beam(t), refresh));
-        let (low, high) = waits.fold((Nanos::MAX, Nanos::ZERO), |(low, high), wait| {
-            (low.min(wait), high.max(wait))
-        });
-        Interval::new((low - Nanos(1)).max(Nanos::ZERO), high + Nanos(1))
+        let Interval { min, max } =
+            self.extremes(refresh, &[row], |_, beam| super::until(row, beam, refresh));
+        Interval::new((min - Nanos(1)).max(Nanos::ZERO), max + Nanos(1))
     }
 
-    /// Least and most of a way that begins with the start of a frame, and goes on from its flip as `after`
-    /// says, which is told how far the beam has come then. `after` may jump where the beam passes one of
-    /// `edges`, and is steady or falls by as much as the beam goes on in between.
+    /// Least and most of a way that begins when a frame begins to be rendered, and goes on from its flip as
+    /// `after` says, which is told how far the beam has come then. `after` may jump where the beam passes one
+    /// of `edges`, and is steady or falls by as much as the beam goes on in between.
     pub fn way(&self, refresh: Nanos, edges: &[Nanos], after: impl Fn(Nanos) -> Nanos) -> Interval {
-        let Self { lock, render } = *self;
-        let mut ends = vec![render.min, render.max];
-        for edge in edges {
-            // The edge in this refresh and in those that the frame may still be at work in.
-            for n in -1..=2 {
-                let at = *edge + refresh * n - lock;
-                ends.extend([at - Nanos(1), at, at + Nanos(1)]);
-            }
-        }
-        let beam = |t: Nanos| Nanos((lock + t).0.rem_euclid(refresh.0));
-        let ways = ends
-            .into_iter()
-            .filter(|t| render.contains(*t))
-            .map(|t| t + after(beam(t)));
-        let (low, high) = ways.fold((Nanos::MAX, Nanos::ZERO), |(low, high), way| {
-            (low.min(way), high.max(way))
-        });
+        let Interval { min, max } = self.extremes(refresh, edges, |t, beam| t + after(beam));
         // Ticks are rounded to the nanosecond.
-        Interval::new((low - Nanos(2)).max(Nanos::ZERO), high + Nanos(2))
+        Interval::new((min - Nanos(2)).max(Nanos::ZERO), max + Nanos(2))
     }
 }

@@ -68,10 +68,8 @@ struct Unit {
 
 impl Unit {
     fn of(setup: &Setup<'_>) -> Self {
-        // Rates are whole micro-hertz.
-        let micro_hz = (setup.scan.rate.hz() * 1e6 + 0.5) as i128;
         Self {
-            ns: micro_hz,
+            ns: i128::from(setup.scan.rate.micro_hz()),
             refresh: 1_000_000_000_000_000,
         }
     }

@@ -29,8 +29,8 @@ pub enum Part {
     HeadDelay,
     /// Frames render in no time.
     Render,
-    /// One frame in flight. Alone among the parts it can be worth its time: frames that do not keep up
-    /// with the display are fewer without it.
+    /// Frames in flight wait for no earlier ones and are shown at once
+    /// ([`Runtime::overlapped`](foveasim_pipeline::Runtime)). One frame in flight has no queue.
     Queue,
     /// The compositor takes frames at the vertical blank itself, and warps in no time.
     Lead,
@@ -124,7 +124,10 @@ impl Chain {
                     *reserve = Nanos::ZERO;
                 }
             }
-            Part::Queue => runtime.in_flight = 1,
+            Part::Queue => {
+                runtime.overlapped |= runtime.in_flight > 1;
+                runtime.in_flight = 1;
+            }
             Part::Lead => {
                 runtime.lead = Nanos::ZERO;
                 runtime.warp = runtime.warp.map(|_| Nanos::ZERO);

@@ -196,6 +196,7 @@ impl ChainSpec {
         };
         let latch = |name, ms| milliseconds(name, ms).map(Option::unwrap_or_default);
         Ok(Runtime {
+            overlapped: false,
             start,
             lead: lead.or(warp).unwrap_or_default(),
             warp,

@@ -14,6 +14,8 @@ use super::quantity::{QUANTITIES, Quantity, ROWS, Rows};
 #[derive(Debug)]
 pub(super) struct Observer {
     moved: Nanos,
+    /// A finished frame replaces the picture at once.
+    tears: bool,
     /// The first gaze sample that saw the movement.
     gaze: Option<GazeStamp>,
     /// The first head sample that did.
@@ -36,9 +38,10 @@ struct Answer {
 
 impl Observer {
     /// Waits for the answer to movements at `moved`; the host knows of the head's as `head` says.
-    pub(super) fn new(moved: Nanos, head: Sensed, edges: Edges) -> Self {
+    pub(super) fn new(moved: Nanos, head: Sensed, edges: Edges, tears: bool) -> Self {
         Self {
             moved,
+            tears,
             gaze: None,
             head,
             answers: [Answer::new(edges), Answer::new(edges)],
@@ -167,6 +170,17 @@ impl Sink for Observer {
     }
 
     fn displayed(&mut self, scan: &Displayed) -> ControlFlow<()> {
+        // A picture that tears is there from the end of its frame, also if a newer one replaces it before
+        // the beam has left the blanking.
+        let tears = self.tears;
+        let flip = |shown: &Shown, frame: &Rendered| match tears {
+            true => Shown {
+                composed: frame.end,
+                flipped: frame.end,
+                ..*shown
+            },
+            false => *shown,
+        };
         let (moved, sensed, known) = (self.moved, self.head, self.head.times[3]);
         let [gaze, head] = &mut self.answers;
         if let (Some(first), Some(sample)) = (gaze.first, self.gaze) {
@@ -174,7 +188,10 @@ impl Sink for Observer {
             gaze.look(
                 scan,
                 |shown| shown.frame.id >= first.id,
-                |shown, scan| Some(Stages::of_gaze(moved, &sample, &first, shown, scan, row)),
+                |shown, scan| {
+                    let shown = flip(shown, &first);
+                    Some(Stages::of_gaze(moved, &sample, &first, &shown, scan, row))
+                },
             );
         }
         let (row, first) = (head.edges.row, head.first);
@@ -184,6 +201,7 @@ impl Sink for Observer {
             |shown, scan| {
                 // A warp may know before any frame does.
                 let frame = first.unwrap_or(shown.frame);
+                let shown = &flip(shown, &frame);
                 Some(Stages::of_motion(moved, sensed, &frame, shown, scan, row))
             },
         );

@@ -101,17 +101,10 @@ impl Quantity {
     }
 
     /// Whether those bounds are reached.
-    pub(super) fn bound_kind(self, stages: &StageBounds, edges: &Edges) -> BoundKind {
+    pub(super) fn bound_kind(self, stages: &StageBounds) -> BoundKind {
         match self {
             Self::Stage(stage) | Self::MotionStage(stage) => stages.kind(stage),
-            Self::Gaze(rows) | Self::Motion(rows) => {
-                let global = edges.response.emission == Emission::Global;
-                match stages.locked() {
-                    // Which scan holds the rows is left open.
-                    Some(_) if global && rows != Rows::Gaze => BoundKind::Outer,
-                    _ => stages.whole_kind(),
-                }
-            }
+            Self::Gaze(_) | Self::Motion(_) => stages.whole_kind(),
         }
     }
 
@@ -137,8 +130,8 @@ impl Rows {
                 to_panel + Interval::exactly(edges.lit(row))
             }
             // The place of the beam depends on how long the frame renders: both are bounded at once.
-            _ => match (stages.locked(), stages.to_start(), edges.response.emission) {
-                (Some(flip), Some(to_start), Emission::Rolling) => {
+            _ => match (stages.locked(), stages.to_start()) {
+                (Some(flip), Some(to_start)) => {
                     let refresh = stages.refresh;
                     let after = |at| self.after_flip_at(at, refresh, edges);
                     to_start
@@ -176,9 +169,20 @@ impl Rows {
         }
     }
 
-    /// From a flip with the beam at `at` until the rows of a rolling picture are scanned.
+    /// From a flip with the beam at `at` until the rows are scanned; of a global flash, until the end of the
+    /// layer in the scan that holds them.
     fn after_flip_at(self, at: Nanos, refresh: Nanos, edges: &Edges) -> Nanos {
         let Edges { first, last, .. } = *edges;
+        if edges.response.emission == Emission::Global {
+            let still = match self {
+                Self::First => at < last || at <= first,
+                _ => at <= first,
+            };
+            return match still {
+                true => last - at,
+                false => last - at + refresh,
+            };
+        }
         let inside = first < at && at < last;
         match self {
             Self::First if inside => Nanos::ZERO,

@@ -214,6 +214,7 @@ fn extreme(study: &LatencyStudy, longest: bool, at: Nanos) -> (LatencyStudy, Run
             },
             begin: -refresh * 3,
             head_wait: Nanos::ZERO,
+            behind: Nanos::ZERO,
         },
     )
 }

@@ -1,13 +1,12 @@
 use foveasim_models::foveation::{Method, Prepared, Request};
 use foveasim_models::{
-    CostProfile, EyePanel, FrameCost, FrameInput, GazeMode, ModelError, Nanos, Resolve,
+    CostProfile, EyePanel, FrameCost, FrameInput, FrameWork, GazeMode, ModelError, Nanos, Resolve,
 };
 
 use crate::Scenario;
 
 /// Rendering time from a cost profile on each frame's own shaded samples: of the layers that are due in
-/// it, cut off at the display's edge as its gaze demands. Visibility that is finer than shading is not
-/// charged, and an image that needs no reconstruction pays for none.
+/// it, cut off at the display's edge as its gaze demands. An image that needs no reconstruction pays for none.
 #[derive(Debug, Clone)]
 pub struct PlanCost {
     profile: CostProfile,
@@ -43,33 +42,37 @@ impl PlanCost {
 }
 
 impl PlanCost {
-    /// Samples shaded in a frame, and display pixels that are reconstructed.
-    pub(super) fn counts(&self, frame: &FrameInput) -> (u64, u64) {
-        let (mut samples, mut pixels) = (0, 0);
+    /// What a frame does.
+    pub(super) fn work(&self, frame: &FrameInput) -> FrameWork {
+        let mut work = FrameWork::default();
         for (panel, prepared) in &self.eyes {
             let gaze = match (self.gaze_mode, frame.gaze) {
                 (GazeMode::Tracked, Some(gaze)) => panel.in_eye(gaze),
                 _ => panel.ahead(),
             };
             let plan = prepared.plan(gaze).expect("recorded gaze is finite");
-            samples += plan.shadings_in_frame(frame.id);
-            pixels += match plan.resolve {
-                Resolve::Direct => 0,
-                _ => u64::from(plan.display_px.x) * u64::from(plan.display_px.y),
+            work.samples_shaded += plan.shadings_in_frame(frame.id) as f64;
+            if self.profile.per_visible_sample_ns > 0.0 {
+                work.samples += plan.samples_in_frame(frame.id) as f64;
+            }
+            let due = plan.passes.iter().filter(|p| p.cadence.is_due(frame.id));
+            work.passes += due.count() as f64;
+            work.pixels_resolved += match plan.resolve {
+                Resolve::Direct => 0.0,
+                _ => f64::from(plan.display_px.x) * f64::from(plan.display_px.y),
             };
         }
-        (samples, pixels)
+        work
     }
 
-    /// What so many take.
-    pub(super) fn time(&self, samples: u64, pixels: u64) -> Nanos {
-        self.profile.time(samples as f64, pixels as f64)
+    /// What that takes.
+    pub(super) fn time(&self, work: &FrameWork) -> Nanos {
+        self.profile.time(work)
     }
 }
 
 impl FrameCost for PlanCost {
     fn duration(&self, frame: &FrameInput) -> Nanos {
-        let (samples, pixels) = self.counts(frame);
-        self.time(samples, pixels)
+        self.time(&self.work(frame))
     }
 }

@@ -153,10 +153,11 @@ impl Meter {
 
 impl FrameCost for Meter {
     fn duration(&self, frame: &FrameInput) -> Nanos {
-        let (samples, pixels) = self.cost.counts(frame);
-        let time = self.cost.time(samples, pixels);
+        let work = self.cost.work(frame);
+        let time = self.cost.time(&work);
         self.frames.set(self.frames.get() + 1);
-        self.samples.set(self.samples.get() + samples);
+        self.samples
+            .set(self.samples.get() + work.samples_shaded as u64);
         self.time.set(self.time.get() + time);
         time
     }

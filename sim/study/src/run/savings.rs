@@ -1,8 +1,10 @@
+use std::sync::Arc;
+
 use foveasim_models::ModelError;
 use foveasim_models::foveation::Method;
 use foveasim_reports::{Heatmap, Table};
 
-use crate::{GazeAt, Scenario, Sweep, SweepDisplay, SweepRow};
+use crate::{GazeAt, Scenario, Sweep, SweepDisplay, SweepRow, Terms};
 
 /// What the methods save on the scenario's display, and what the featured one saves on others.
 #[derive(Debug, Clone)]
@@ -44,6 +46,10 @@ pub struct MethodSaving {
 }
 
 pub(super) fn savings(scenario: &Scenario) -> Result<Savings, ModelError> {
+    let terms = Arc::new(Terms {
+        cost: scenario.cost.clone(),
+        ..Terms::default()
+    });
     let sweep = |displays, methods| Sweep {
         displays,
         acuities: vec![scenario.acuity],
@@ -51,22 +57,13 @@ pub(super) fn savings(scenario: &Scenario) -> Result<Savings, ModelError> {
         gaze_mode: scenario.gaze_mode,
         margins_deg: vec![scenario.spec.margin_deg],
         methods,
+        terms: terms.clone(),
     };
     let display = SweepDisplay::from(&scenario.display);
     let rows = sweep(vec![display], scenario.methods.clone()).run(|_| ())?;
     let featured = *scenario.featured();
     let map = sweep(scenario.map.displays.clone(), vec![featured]).run(|_| ())?;
-    let time = |row: &SweepRow| {
-        let resolved = if row.layers.is_reconstructed() {
-            row.display_samples
-        } else {
-            0.0
-        };
-        scenario
-            .cost
-            .time(row.method_shadings_staggered, resolved)
-            .as_ms()
-    };
+    let time = |row: &SweepRow| row.needs().frame_ms;
     let full = rows
         .iter()
         .find(|r| r.method == Method::Full)

@@ -31,6 +31,29 @@ pub struct SweepEye {
     pub hidden_area_fraction: f64,
 }
 
+impl SweepDisplay {
+    /// The same display at another rate.
+    #[must_use]
+    pub fn at(mut self, refresh: Rate) -> Self {
+        self.refresh = Some(refresh);
+        self
+    }
+
+    /// A display of one image as two, one for each eye.
+    ///
+    /// # Panics
+    /// If it has two already.
+    #[must_use]
+    pub fn for_both_eyes(mut self) -> Self {
+        assert_eq!(self.eyes.len(), 1, "{} has two images", self.name);
+        let image = self.eyes[0];
+        self.eyes = [Eye::Left, Eye::Right]
+            .map(|eye| SweepEye { eye, ..image })
+            .into();
+        self
+    }
+}
+
 impl SweepEye {
     /// Straight ahead of the head, in the eye's own frame.
     pub fn ahead(&self) -> GazeDirection {

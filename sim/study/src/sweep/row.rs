@@ -1,8 +1,11 @@
+use std::sync::Arc;
+
 use foveasim_models::foveation::{Estimate, Method};
-use foveasim_models::{Acuity, GazeMode};
+use foveasim_models::{Acuity, FrameWork, GazeMode};
 use foveasim_reports::{Cell, ColourScale, HeatCell, Heatmap, Table};
 
-use super::SweepDisplay;
+use super::terms::full_work;
+use super::{Fits, Needs, SweepDisplay, Terms};
 
 /// One cell of a sweep. Counts are summed over the eyes; what describes layers is the first eye's
 /// (the other's mirrors it).
@@ -40,6 +43,14 @@ pub struct SweepRow {
     /// this is, or with the default reach ([`Aim`](foveasim_models::foveation::Aim)). `None` for a method
     /// whose samples are given ([`Method::is_given`]).
     pub tracked_over_fixed: Option<f64>,
+    /// Passes of all eyes, when every one is drawn.
+    pub passes: f64,
+    /// Passes of all eyes per frame on average, each at its own cadence.
+    pub passes_staggered: f64,
+    /// Whether the displayed image is put together from samples that are not its own pixels.
+    pub reconstructed: bool,
+    /// What time, memory and link cost.
+    pub terms: Arc<Terms>,
     /// The first eye's layers, or passes.
     pub layers: Estimate,
     /// Whether the acuity line is used farther from its centre than where it was measured.
@@ -85,6 +96,55 @@ impl SweepRow {
     /// samples.
     pub fn over_ideal(&self) -> f64 {
         self.method_shadings / self.ideal_samples
+    }
+
+    fn resolved(&self) -> f64 {
+        match self.reconstructed {
+            true => self.display_samples,
+            false => 0.0,
+        }
+    }
+
+    /// Work of a frame on average, each pass at its own cadence.
+    pub fn work_staggered(&self) -> FrameWork {
+        FrameWork {
+            samples_shaded: self.method_shadings_staggered,
+            samples: self.method_samples_staggered,
+            pixels_resolved: self.resolved(),
+            passes: self.passes_staggered,
+        }
+    }
+
+    /// Work of a frame in which every pass is drawn.
+    pub fn work(&self) -> FrameWork {
+        FrameWork {
+            samples_shaded: self.method_shadings,
+            samples: self.method_samples,
+            pixels_resolved: self.resolved(),
+            passes: self.passes,
+        }
+    }
+
+    /// What that needs of time, memory and link.
+    pub fn needs(&self) -> Needs {
+        let Terms {
+            cost,
+            buffers,
+            link,
+        } = &*self.terms;
+        let ms = |work: &FrameWork| cost.time_ns(work) / 1e6;
+        let full = full_work(self.display_samples, self.display.eyes.len());
+        let works = [self.work_staggered(), self.work()];
+        let gigabits = |samples| Some(link.gigabits(samples, self.display.refresh?));
+        Needs {
+            frame_ms: ms(&works[0]),
+            frame_all_ms: ms(&works[1]),
+            full_ms: ms(&full),
+            beyond_fit: works.iter().find_map(|w| cost.extrapolates(w)),
+            framebuffer_mb: buffers.megabytes(self.method_samples, self.resolved()),
+            link_gbps: gigabits(self.method_samples_staggered),
+            full_link_gbps: gigabits(self.display_samples),
+        }
     }
 
     /// Rows as a table; see the column names of [`COLUMNS`].
@@ -138,6 +198,9 @@ impl SweepRow {
                     .map(|p| (r.hz() / f64::from(p.every)).to_string()),
             )
         });
+        let needs = self.needs();
+        let refresh = self.display.refresh;
+        let fits = refresh.map(|r| Fits::of(needs.frame_ms, needs.frame_all_ms, r));
         vec![
             self.method.to_string().into(),
             self.display.fov_h_deg.into(),
@@ -174,6 +237,17 @@ impl SweepRow {
             self.shading_ratio().into(),
             self.drawn.map(|d| d.shadings).into(),
             self.tracked_over_fixed.into(),
+            refresh.map(|r| r.hz()).into(),
+            self.terms.cost.name.as_str().into(),
+            needs.frame_ms.into(),
+            needs.frame_all_ms.into(),
+            needs.full_ms.into(),
+            needs.speedup().into(),
+            fits.map(Fits::name).into(),
+            needs.beyond_fit.into(),
+            needs.framebuffer_mb.into(),
+            needs.link_gbps.into(),
+            needs.full_link_gbps.into(),
         ]
     }
 }
@@ -187,8 +261,11 @@ impl SweepRow {
 /// where visibility is found, shadings evaluations of shading: fewer under variable-rate shading, else
 /// as many. `over_ideal` compares shadings. `tracked_over_fixed` is how many times more a fixed method
 /// shades for the same quality; it is empty for `kfr`, `efr`, `lms` and `radial`, whose settings say where samples
-/// lie, and which may need fewer than the ideal because they promise no quality.
-pub const COLUMNS: [&str; 35] = [
+/// lie, and which may need fewer than the ideal because they promise no quality. From `refresh_hz` on:
+/// what the sweep's [`Terms`] make of it. `frame_ms` has each pass at its own cadence, `frame_all_ms` every
+/// pass; `beyond_fit` names the work that the cost profile does not rest on; framebuffers are of all passes
+/// and of the image put together from them, and the link carries samples as they are drawn.
+pub const COLUMNS: [&str; 46] = [
     "method",
     "fov_h_deg",
     "width_px",
@@ -224,6 +301,17 @@ pub const COLUMNS: [&str; 35] = [
     "shading_ratio",
     "plan_shadings",
     "tracked_over_fixed",
+    "refresh_hz",
+    "cost_profile",
+    "frame_ms",
+    "frame_all_ms",
+    "full_frame_ms",
+    "predicted_speedup",
+    "fits_refresh",
+    "beyond_fit",
+    "framebuffer_mb",
+    "link_gbps",
+    "full_link_gbps",
 ];
 
 fn yes(is: bool) -> Cell {

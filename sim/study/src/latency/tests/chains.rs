@@ -53,6 +53,18 @@ pub(super) fn chains() -> Vec<(&'static str, Chain)> {
             c.render = render.parse().unwrap();
         }
     };
+    let at = |render: &'static str, after: f64, hz: f64| {
+        move |c: &mut Chain| {
+            locked(render, after)(c);
+            c.host_rate = Rate::from_hz("f", hz).unwrap();
+        }
+    };
+    let overlapped = |render: &'static str| {
+        move |c: &mut Chain| {
+            c.render = render.parse().unwrap();
+            c.runtime.overlapped = true;
+        }
+    };
     let just_in_time = |render: &'static str, reserve: f64| {
         move |c: &mut Chain| {
             c.render = render.parse().unwrap();
@@ -157,6 +169,92 @@ pub(super) fn chains() -> Vec<(&'static str, Chain)> {
         (
             "tearing, locked, within the rows",
             chain(Tearing, locked("uniform:2..3", 0.5)),
+        ),
+        // Hosts with the display's clock that overrun it, or divide it.
+        ("tearing, locked, late", chain(Tearing, locked("12.5", 3.0))),
+        ("free, locked, late", chain(VsyncFree, locked("13", 3.0))),
+        (
+            "free, locked, late, with a lead and a warp",
+            chain(VsyncFree, |c| {
+                warp(Missed::Repeat)(c);
+                locked("12.5", 3.0)(c);
+            }),
+        ),
+        (
+            "tearing, locked, 2 in flight, late",
+            chain(Tearing, |c| {
+                locked("12.5", 3.0)(c);
+                c.runtime.in_flight = 2;
+            }),
+        ),
+        (
+            "tearing, locked, uneven and late",
+            chain(Tearing, locked("uniform:4..14", 3.0)),
+        ),
+        (
+            "free, locked, uneven and late",
+            chain(VsyncFree, locked("uniform:4..14", 3.0)),
+        ),
+        (
+            "tearing, locked at 80 Hz",
+            chain(Tearing, at("uniform:2..7", 3.0, 80.0)),
+        ),
+        (
+            "tearing, locked at 30 Hz, more than a refresh",
+            chain(Tearing, at("uniform:4..23", 1.0, 30.0)),
+        ),
+        (
+            "free, locked at 125 Hz",
+            chain(VsyncFree, at("uniform:2..7", 3.0, 125.0)),
+        ),
+        (
+            "free, locked at 80 Hz, with a lead and a warp",
+            chain(VsyncFree, |c| {
+                warp(Missed::Repeat)(c);
+                at("5", 3.0, 80.0)(c);
+            }),
+        ),
+        (
+            "free, locked at 80 Hz, late",
+            chain(VsyncFree, at("15", 3.0, 80.0)),
+        ),
+        (
+            "tearing, locked, global",
+            chain(Tearing, |c| {
+                locked("uniform:4..9.5", 3.0)(c);
+                c.display.response.emission = Emission::Global;
+            }),
+        ),
+        (
+            "tearing, locked, global, late",
+            chain(Tearing, |c| {
+                locked("12.5", 3.3)(c);
+                c.display.response.emission = Emission::Global;
+            }),
+        ),
+        (
+            "blocked, 2 in flight, a refresh each",
+            chain(Vsync, in_flight(2, "10")),
+        ),
+        (
+            "blocked, 3 in flight, a refresh each, with a lead",
+            chain(Vsync, |c| {
+                in_flight(3, "10")(c);
+                c.runtime.lead = Nanos(2 * MS);
+            }),
+        ),
+        (
+            "tearing, overlapped",
+            chain(Tearing, overlapped("uniform:4..23")),
+        ),
+        (
+            "free, overlapped",
+            chain(VsyncFree, overlapped("uniform:8..13")),
+        ),
+        ("blocked, overlapped", chain(Vsync, overlapped("14"))),
+        (
+            "blocked, overlapped, uneven",
+            chain(Vsync, overlapped("uniform:4..23")),
         ),
         (
             "blocked, half rate, uneven",

@@ -59,9 +59,7 @@ proptest! {
     fn switching_a_part_off_never_raises_a_latency(chain in any_chain()) {
         let study = LatencyStudy::of(chain.clone(), None).unwrap();
         let (with, before) = (study.bounds(), run(&study, 400));
-        // Fewer frames in flight can mean fewer frames a second, where they do not keep up.
-        let keeps_up = chain.render.max() + chain.runtime.lead <= chain.display.scan.rate.period();
-        for part in PARTS.into_iter().filter(|p| keeps_up || *p != Part::Queue) {
+        for part in PARTS {
             let off = LatencyStudy::of(chain.clone().without(part), None).unwrap();
             let after = run(&off, 400);
             for q in [Quantity::Gaze(Rows::Gaze), Quantity::Gaze(Rows::Last), Quantity::Motion(Rows::Gaze)] {
@@ -87,7 +85,7 @@ proptest! {
         for i in 0..8 {
             let start = study.draw(seed, i);
             let (with, _) = study.simulate(&mut pipeline, seed, i, start);
-            for part in PARTS.into_iter().filter(|p| *p != Part::Queue) {
+            for part in PARTS {
                 let off = LatencyStudy::of(chain.clone().without(part), None).unwrap();
                 let (without, _) = off.simulate(&mut pipeline, seed, i, start);
                 for q in [Quantity::Gaze(Rows::Gaze), Quantity::Motion(Rows::Gaze)] {
@@ -97,6 +95,32 @@ proptest! {
                     );
                 }
             }
+        }
+    }
+
+    /// Without a queue no answer is later, whether frames keep up or not, if each takes the same time: else
+    /// runs with more frames draw others.
+    #[test]
+    fn without_a_queue_no_single_run_is_later(
+        chain in any_chain(),
+        render in 0.0f64..40.0,
+        in_flight in 2u32..=3,
+        seed in any::<u64>(),
+    ) {
+        let mut chain = chain;
+        chain.render = Durations::fixed(Nanos::from_ms(render));
+        (chain.runtime.start, chain.runtime.in_flight) = (FrameStart::AtVblank, in_flight);
+        let study = LatencyStudy::of(chain.clone(), None).unwrap();
+        let off = LatencyStudy::of(chain.without(Part::Queue), None).unwrap();
+        let mut pipeline = Pipeline::new();
+        for i in 0..8 {
+            let start = study.draw(seed, i);
+            let (with, _) = study.simulate(&mut pipeline, seed, i, start);
+            let (without, _) = off.simulate(&mut pipeline, seed, i, start);
+            for q in [Quantity::Gaze(Rows::Gaze), Quantity::Motion(Rows::Gaze), Quantity::Stage(Stage::FrameQueue)] {
+                prop_assert!(without[q.index()] <= with[q.index()], "{q:?}: {} {}", without[q.index()], with[q.index()]);
+            }
+            prop_assert_eq!(without[Quantity::Stage(Stage::FrameQueue).index()], Nanos::ZERO);
         }
     }
 
@@ -126,7 +150,7 @@ proptest! {
                 vblank,
                 ..Phases::default()
             };
-            let start = RunStart { phases, begin: Nanos(-30_000_000), head_wait: Nanos::ZERO };
+            let start = RunStart { phases, begin: Nanos(-30_000_000), head_wait: Nanos::ZERO, behind: Nanos::ZERO };
             s.simulate(&mut Pipeline::new(), 1, 1, start).0[Quantity::Gaze(Rows::Gaze).index()]
         };
         prop_assert_eq!(photon(&at(short, false)), photon(&at(long, false)));

@@ -1,0 +1,156 @@
+//! Making the rows of a sweep, all at once or in parts.
+
+use std::path::PathBuf;
+
+use foveasim_reports::{Heatmap, Outputs, Table};
+use foveasim_study::{Shard, Sweep, SweepRow};
+use rayon::prelude::*;
+
+use super::super::context::Format;
+use super::super::{Context, Failure};
+use super::log::{self, Header, Log, Writer};
+use super::{Args, READABLE, pick};
+
+/// Put the shards of a sweep together to its table.
+#[derive(Debug, clap::Args)]
+pub(super) struct MergeArgs {
+    /// Folders that `foveasim plan --shard` wrote to
+    #[arg(required = true, value_name = "DIR")]
+    folders: Vec<PathBuf>,
+}
+
+/// Groups of rows that are made before they are appended to the log.
+const CHUNK: usize = 256;
+
+pub(super) fn sweep(args: &Args, ctx: &Context) -> Result<(), Failure> {
+    let sweep = args.sweep()?;
+    let shard = match &args.shard {
+        None => None,
+        Some(text) => Some(text.parse::<Shard>()?),
+    };
+    if args.resume || shard.is_some() {
+        return in_parts(&sweep, args, shard, ctx);
+    }
+    // An unwritable folder is found before the work, not after.
+    let outputs = ctx.out.is_some().then(|| ctx.outputs("out")).transpose()?;
+    if let Some(outputs) = &outputs
+        && outputs.path(log::NAME).exists()
+    {
+        let path = outputs.path(log::NAME);
+        let text = format!(
+            "{} holds rows of a sweep that was not finished: --resume goes on with it",
+            path.display()
+        );
+        return Err(Failure::bad_input(text));
+    }
+    let bar = ctx.progress(sweep.len() as u64, "planning");
+    let rows = sweep.run(|n| bar.inc(n))?;
+    bar.finish_and_clear();
+    let table = SweepRow::table(&rows);
+    if ctx.format == Format::Table {
+        ctx.print_table(&pick(&table, &READABLE))?;
+        ctx.note("All columns: --format csv");
+    } else {
+        ctx.print_table(&table)?;
+    }
+    if let Some(outputs) = outputs {
+        write(outputs, &table, args.heatmaps(&sweep, &rows)?, ctx)?;
+    }
+    Ok(())
+}
+
+/// Everything a folder given with `--out` receives.
+fn write(
+    mut outputs: Outputs,
+    table: &Table,
+    maps: Vec<(String, Heatmap)>,
+    ctx: &Context,
+) -> Result<(), Failure> {
+    outputs.add("plan.csv", table.csv());
+    for (name, map) in maps {
+        outputs.add(name, map.svg());
+    }
+    for path in outputs.commit()? {
+        ctx.note(&format!("wrote {}", path.display()));
+    }
+    Ok(())
+}
+
+/// Appends rows to a log as they are made. Without `shard`, the whole table is written at the end, and the log
+/// removed.
+fn in_parts(
+    sweep: &Sweep,
+    args: &Args,
+    shard: Option<Shard>,
+    ctx: &Context,
+) -> Result<(), Failure> {
+    let mut outputs = ctx.outputs("out")?;
+    let header = Header::of(sweep, shard.unwrap_or(Shard::WHOLE));
+    let mut found = Log::read(outputs.dir())?;
+    if found.is_some() && !args.resume {
+        let text = format!(
+            "{} has rows already: --resume goes on with them",
+            outputs.path(log::NAME).display()
+        );
+        return Err(Failure::bad_input(text));
+    }
+    if let Some(log) = &mut found {
+        log.check(sweep, &header)?;
+    }
+    let mut writer = Writer::new(outputs.dir(), &header, found.as_ref())?;
+    let mut lines = found.map_or_else(Default::default, |log| log.rows);
+    let kept = lines.len();
+    let methods = sweep.methods.len();
+    let groups: Vec<usize> = shard
+        .unwrap_or(Shard::WHOLE)
+        .groups(sweep.groups())
+        .filter(|g| !lines.contains_key(&(g * methods)))
+        .collect();
+    let bar = ctx.progress((groups.len() * methods) as u64, "planning");
+    for some in groups.chunks(CHUNK) {
+        let made: Vec<_> = some.par_iter().map(|g| sweep.rows(*g)).collect();
+        for (group, rows) in some.iter().zip(made) {
+            let added = writer.append(sweep, *group, &rows?)?;
+            bar.inc(added.len() as u64);
+            lines.extend(
+                added
+                    .into_iter()
+                    .map(|(n, line)| (n, (String::new(), line))),
+            );
+        }
+    }
+    bar.finish_and_clear();
+    let made = lines.len() - kept;
+    if let Some(shard) = shard {
+        let place = outputs.path(log::NAME);
+        ctx.note(&format!(
+            "shard {shard}: {made} rows made, {kept} were there, in {}",
+            place.display()
+        ));
+        return Ok(());
+    }
+    outputs.add(
+        "plan.csv",
+        log::table(lines.into_values().map(|(_, line)| line)),
+    );
+    for path in outputs.commit()? {
+        ctx.note(&format!(
+            "wrote {}: {made} rows made, {kept} were there",
+            path.display()
+        ));
+    }
+    Ok(writer.finish()?)
+}
+
+pub(super) fn merge(args: &MergeArgs, ctx: &Context) -> Result<(), Failure> {
+    let text = log::merge(&args.folders)?;
+    let Some(folder) = &ctx.out else {
+        return ctx.print(&text);
+    };
+    let mut outputs = Outputs::new(folder)?;
+    outputs.add("plan.csv", text);
+    for path in outputs.commit()? {
+        ctx.note(&format!("wrote {}", path.display()));
+    }
+    Ok(())
+}

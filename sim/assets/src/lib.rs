@@ -6,7 +6,7 @@
 //! and [`StudyGaze`] looks at what comes nearest. [`load_scene`] reads OBJ, glTF, GLB, PLY and STL files.
 //!
 //! A [`Volume`] is values on a lattice in space, a [`TransferFunction`] says how they look;
-//! [`GeneratedVolume`] are computed ones.
+//! [`GeneratedVolume`] are computed ones, [`load_volume`] reads files.
 //!
 //! # Simplifications
 //!
@@ -52,6 +52,7 @@ pub use tessellate::{Tessellation, tessellate, tessellation_ladder};
 pub use texture::{Encoding, LARGEST_SIDE, MipLevel, Texture, TextureError, Wrap};
 pub use track::{Key, Motion, Repeat, Track, TrackError};
 pub use volume::{
-    Frame, GeneratedVolume, TransferError, TransferFunction, TransferPoint, ValueHistogram, Volume,
-    VolumeError, VolumeParts, Voxels, volume_named,
+    Frame, GeneratedVolume, LoadedVolume, TransferError, TransferFunction, TransferPoint,
+    ValueHistogram, Volume, VolumeError, VolumeFormat, VolumeParts, Voxels, load_volume,
+    load_volume_bytes, volume_named,
 };

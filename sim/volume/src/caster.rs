@@ -88,12 +88,11 @@ impl Caster {
 
     /// What is kept of the volume.
     pub fn prepared(&self) -> Prepared {
-        let voxels = match &self.voxels {
-            Stored::Gradients(g) => &g.numbers,
-            Stored::Values(l) => &l.levels,
-        };
         Prepared {
-            voxel_bytes: size_of_val(voxels.as_slice()),
+            voxel_bytes: match &self.voxels {
+                Stored::Gradients(g) => size_of_val(g.bricks.as_slice()),
+                Stored::Values(l) => size_of_val(l.levels.as_slice()),
+            },
             other_bytes: size_of_val(self.cells.states.as_slice())
                 + size_of_val(&*self.table.entries),
             parts: self.cells.states.len(),

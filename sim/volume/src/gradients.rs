@@ -20,7 +20,7 @@ pub(crate) const NUMBERS: usize = SLICE * ACROSS;
 pub(crate) struct Gradients {
     /// Brick after brick; in each, x runs fastest, four numbers for each voxel: its level and the
     /// differences of its neighbours along x, y and z.
-    pub(crate) numbers: Vec<i16>,
+    pub(crate) bricks: Vec<[i16; NUMBERS]>,
 }
 
 impl Gradients {
@@ -41,9 +41,9 @@ impl Gradients {
                 origins.push(brick.map(|b| (b * BRICK) as isize));
             }
         }
-        let mut numbers = vec![0i16; origins.len() * NUMBERS];
-        numbers
-            .par_chunks_mut(NUMBERS)
+        let mut bricks = vec![[0i16; NUMBERS]; origins.len()];
+        bricks
+            .par_iter_mut()
             .zip(&origins)
             .for_each(|(brick, origin)| {
                 for (k, voxel) in brick.chunks_exact_mut(4).enumerate() {
@@ -52,7 +52,7 @@ impl Gradients {
                     voxel.copy_from_slice(&levels.with_gradient(place));
                 }
             });
-        Self { numbers }
+        Self { bricks }
     }
 }
 

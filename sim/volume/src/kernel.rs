@@ -2,10 +2,10 @@ use fearless_simd::prelude::*;
 use fearless_simd::{SimdInterleaved, f32x4, f32x8, i16x8};
 use foveasim_lanes::Kernel;
 use foveasim_lanes::transcendental::times_exp2;
-use foveasim_lanes::wide::{F, I, Simd, V3, WIDTH, max, min, piece, splat};
+use foveasim_lanes::wide::{F, I, M, Simd, V3, WIDTH, max, min, piece, splat};
 
 use crate::cells::{Cells, OCCUPIED, SIDE, SIDE_BITS};
-use crate::gradients::{BRICK, Gradients, NUMBERS, ROW, SLICE};
+use crate::gradients::{BRICK, Gradients, ROW, SLICE};
 use crate::levels::Levels;
 use crate::packet::{Geometry, Packet};
 use crate::table::{ENTRIES, Table};
@@ -24,25 +24,27 @@ pub(crate) struct Follow<'a, V> {
 
 /// Where the corners of a cell come from.
 pub(crate) trait Corners {
+    /// A number by which [`pairs`](Self::pairs) finds each cell.
+    fn places<S: Simd>(&self, simd: S, cell: [I<S>; 3]) -> I<S>;
+
     /// Level and differences of a cell's corners, in pairs along x: at (y, z) = (0, 0), (1, 0), (0, 1),
     /// (1, 1). `state` is that of the part of the volume that it is in; `scratch` may be used.
-    fn pairs<'a>(
-        &'a self,
-        cell: [i32; 3],
-        state: u32,
-        scratch: &'a mut [i16; 32],
-    ) -> [&'a [i16]; 4];
+    fn pairs<'a>(&'a self, place: i32, state: u32, scratch: &'a mut [i16; 32]) -> [&'a [i16]; 4];
 }
 
 impl Corners for Gradients {
     #[inline(always)]
-    fn pairs<'a>(&'a self, cell: [i32; 3], state: u32, _: &'a mut [i16; 32]) -> [&'a [i16]; 4] {
-        let mask = BRICK as i32 - 1;
-        let [x, y, z] = [cell[0] & mask, cell[1] & mask, cell[2] & mask];
-        let place = (4 * x) as usize + ROW * y as usize + SLICE * z as usize;
-        let first = (state - OCCUPIED) as usize * NUMBERS + place;
+    fn places<S: Simd>(&self, simd: S, cell: [I<S>; 3]) -> I<S> {
+        let mask = I::splat(simd, BRICK as i32 - 1);
+        let (row, slice) = (I::splat(simd, ROW as i32), I::splat(simd, SLICE as i32));
+        ((cell[0] & mask) << 2) + (cell[1] & mask) * row + (cell[2] & mask) * slice
+    }
+
+    #[inline(always)]
+    fn pairs<'a>(&'a self, place: i32, state: u32, _: &'a mut [i16; 32]) -> [&'a [i16]; 4] {
         // Checked once; the four places in it are constants.
-        let all = &self.numbers[first..first + SLICE + ROW + 8];
+        let first = place as usize;
+        let all = &self.bricks[(state - OCCUPIED) as usize][first..first + SLICE + ROW + 8];
         [
             &all[..8],
             &all[ROW..ROW + 8],
@@ -54,8 +56,16 @@ impl Corners for Gradients {
 
 impl Corners for Levels {
     #[inline(always)]
-    fn pairs<'a>(&'a self, cell: [i32; 3], _: u32, scratch: &'a mut [i16; 32]) -> [&'a [i16]; 4] {
-        gather(self, cell, scratch);
+    fn places<S: Simd>(&self, simd: S, cell: [I<S>; 3]) -> I<S> {
+        // At most 2³⁰ voxels of two bytes.
+        let row = I::splat(simd, self.dims[0] as i32);
+        let slice = I::splat(simd, (self.dims[0] * self.dims[1]) as i32);
+        cell[0] + cell[1] * row + cell[2] * slice
+    }
+
+    #[inline(always)]
+    fn pairs<'a>(&'a self, place: i32, _: u32, scratch: &'a mut [i16; 32]) -> [&'a [i16]; 4] {
+        gather(self, place as usize, scratch);
         let [a, b, c, d] = [0, 8, 16, 24];
         [
             &scratch[a..b],
@@ -67,12 +77,18 @@ impl Corners for Levels {
 }
 
 /// The corners of a cell, gradients computed anew.
-fn gather(levels: &Levels, cell: [i32; 3], out: &mut [i16; 32]) {
+fn gather(levels: &Levels, place: usize, out: &mut [i16; 32]) {
+    let [nx, ny, _] = levels.dims;
+    let cell = [place % nx, place / nx % ny, place / nx / ny];
     for (k, voxel) in out.chunks_exact_mut(4).enumerate() {
-        let place = std::array::from_fn(|a| cell[a] as isize + (k >> a & 1) as isize);
+        let place = std::array::from_fn(|a| (cell[a] + (k >> a & 1)) as isize);
         voxel.copy_from_slice(&levels.with_gradient(place));
     }
 }
+
+/// Steps that are taken together: what is seen at them is worked out side by side, where the next alone would
+/// have to wait for the last.
+const STEPS: usize = 2;
 
 /// Samples of sixteen rays, lane after lane: four numbers each.
 #[repr(align(64))]
@@ -81,6 +97,27 @@ struct Four([f32; 4 * WIDTH]);
 /// A number for each lane, in memory.
 #[repr(align(64))]
 struct Lanes<T>([T; WIDTH]);
+
+/// What sixteen rays meet at one step.
+struct Met {
+    /// Level and differences: of rays that take no sample, those of an earlier step.
+    values: Four,
+    /// What the transfer function has for the levels.
+    colours: Four,
+    /// The parts of the volume that they are in.
+    states: Lanes<u32>,
+    /// Which rays take a sample.
+    taken: u32,
+}
+
+impl Met {
+    const NOTHING: Self = Self {
+        values: Four([0.0; 4 * WIDTH]),
+        colours: Four([0.0; 4 * WIDTH]),
+        states: Lanes([0; WIDTH]),
+        taken: 0,
+    };
+}
 
 impl<V: Corners> Kernel for Follow<'_, V> {
     /// Red, green, blue (linear, weighted by opacity) and opacity of each ray.
@@ -99,79 +136,40 @@ impl<V: Corners> Kernel for Follow<'_, V> {
         let mut through = splat(simd, 1.0);
         let mut light = V3::splat(simd, [0.0; 3]);
         let mut alive = samples.simd_gt(zero);
-        let mut values = Four([0.0; 4 * WIDTH]);
-        let mut colours = Four([0.0; 4 * WIDTH]);
-        let mut states = Lanes([0u32; WIDTH]);
+        let mut met = [Met::NOTHING; STEPS];
         let mut scratch = [0i16; 32];
 
         while alive.any_true() {
-            let at = origin.add(step.scale(k));
-            let cell = whole(at);
-            let inside = fraction(at, cell);
-            let part = self.part(simd, cell);
             let live = alive.to_bitmask() as u32;
-            let parts = Lanes(part.to_array());
-            let [cx, cy, cz] = [
-                Lanes(cell[0].to_array()),
-                Lanes(cell[1].to_array()),
-                Lanes(cell[2].to_array()),
-            ];
-            let [fx, fy, fz] = [
-                Lanes(inside.x.to_array()),
-                Lanes(inside.y.to_array()),
-                Lanes(inside.z.to_array()),
-            ];
-            let mut taken = 0u32;
-            for lane in 0..WIDTH {
-                let state = if live >> lane & 1 == 1 {
-                    self.cells.states[parts.0[lane] as usize]
-                } else {
-                    0
-                };
-                states.0[lane] = state;
-                if state < OCCUPIED {
-                    f32x4::splat(simd, 0.0).store_slice(&mut colours.0[4 * lane..4 * lane + 4]);
-                    continue;
-                }
-                taken |= 1 << lane;
-                let corner = [cx.0[lane], cy.0[lane], cz.0[lane]];
-                let pairs = self.voxels.pairs(corner, state, &mut scratch);
-                let sample = interpolate(simd, pairs, [fx.0[lane], fy.0[lane], fz.0[lane]]);
-                sample.store_slice(&mut values.0[4 * lane..4 * lane + 4]);
-                let entry = (sample[0] * self.table.per_level + 0.5) as u32 as usize;
-                let entry = &self.table.entries[entry.min(ENTRIES - 1)];
-                colours.0[4 * lane..4 * lane + 4].copy_from_slice(entry);
+            let (mut taken, mut at) = (0, k);
+            for met in &mut met {
+                let within = (at.simd_lt(samples) & alive).to_bitmask() as u32;
+                self.sample(simd, origin.add(step.scale(at)), within, met, &mut scratch);
+                taken |= met.taken;
+                self.work.steps += u64::from(met.taken.count_ones());
+                self.work.steps_skipped += u64::from((within & !met.taken).count_ones());
+                at = at + 1.0;
             }
-            self.work.steps += u64::from(taken.count_ones());
             if taken == 0 {
-                let next = self.leave(simd, origin, step, cell, &states, k);
-                let next = min(next, samples);
+                let cell = whole(origin.add(step.scale(k)));
+                let next = max(self.leave(simd, origin, step, cell, &met[0].states), at);
                 self.work.bricks_skipped += u64::from(live.count_ones());
-                self.count_skipped(alive.select(next - k, zero));
+                self.count_skipped(alive.select(max(min(next, samples) - at, zero), zero));
                 k = next;
                 alive = k.simd_lt(samples) & alive;
                 continue;
             }
-            let empty = live & !taken;
-            self.work.steps_skipped += u64::from(empty.count_ones());
-            let [r, g, b, passes] = four(simd, &colours);
-            let seen = passes.simd_lt(zero);
-            let seen_lanes = seen.to_bitmask() as u32;
-            if seen_lanes != 0 {
-                self.work.steps_seen += u64::from(seen_lanes.count_ones());
-                let colour = V3 { x: r, y: g, z: b };
-                let colour = self.shade(simd, colour, &values);
-                let left = times_exp2(through, passes * factor);
+            for met in &mut met {
+                let (colour, left) = self.classify(simd, met, factor);
+                // Nothing more reaches a ray that has ended.
+                let left = alive.select(left * through, through);
                 light = light.add(colour.scale(through - left));
                 through = left;
                 let ended = through.simd_lt(limit) & alive;
-                let ended_lanes = ended.to_bitmask() as u32;
-                if ended_lanes != 0 {
-                    self.work.rays_ended_early += u64::from(ended_lanes.count_ones());
-                    alive = alive & !ended;
-                }
+                self.work.rays_ended_early += u64::from(ended.to_bitmask().count_ones());
+                alive = alive & !ended;
             }
-            k = k + 1.0;
+            k = at;
             alive = k.simd_lt(samples) & alive;
         }
         let [red, green, blue] = [light.x.to_array(), light.y.to_array(), light.z.to_array()];
@@ -185,6 +183,64 @@ impl<V: Corners> Kernel for Follow<'_, V> {
 }
 
 impl<V: Corners> Follow<'_, V> {
+    /// Takes the samples of the rays `within` at the places `at`, where something may be seen.
+    #[inline(always)]
+    fn sample<S: Simd>(
+        &self,
+        simd: S,
+        at: V3<S>,
+        within: u32,
+        met: &mut Met,
+        scratch: &mut [i16; 32],
+    ) {
+        let cell = whole(at);
+        let inside = fraction(at, cell);
+        let parts = Lanes(self.part(simd, cell).to_array());
+        let places = Lanes(self.voxels.places(simd, cell).to_array());
+        let [x, y, z] = [
+            Lanes(inside.x.to_array()),
+            Lanes(inside.y.to_array()),
+            Lanes(inside.z.to_array()),
+        ];
+        met.taken = 0;
+        for lane in 0..WIDTH {
+            if within >> lane & 1 == 0 {
+                continue;
+            }
+            let state = self.cells.states[parts.0[lane] as usize];
+            met.states.0[lane] = state;
+            if state < OCCUPIED {
+                continue;
+            }
+            met.taken |= 1 << lane;
+            let pairs = self.voxels.pairs(places.0[lane], state, scratch);
+            let sample = interpolate(simd, pairs, [x.0[lane], y.0[lane], z.0[lane]]);
+            sample.store_slice(&mut met.values.0[4 * lane..4 * lane + 4]);
+        }
+    }
+
+    /// What samples look like: their colour, and the share of light that they let through. That is 1 for
+    /// rays that took none.
+    #[inline(always)]
+    fn classify<S: Simd>(&mut self, simd: S, met: &mut Met, factor: F<S>) -> (V3<S>, F<S>) {
+        let [level, x, y, z] = four(simd, &met.values);
+        let entries = (level * self.table.per_level + 0.5).to_int::<I<S>>();
+        let entries = Lanes(entries.to_array());
+        for lane in 0..WIDTH {
+            let entry = &self.table.entries[entries.0[lane] as usize % ENTRIES];
+            met.colours.0[4 * lane..4 * lane + 4].copy_from_slice(entry);
+        }
+        let [r, g, b, passes] = four(simd, &met.colours);
+        let zero = splat(simd, 0.0);
+        let taken = M::from_bitmask(simd, u64::from(met.taken));
+        let passes = taken.select(passes, zero);
+        let seen = passes.simd_lt(zero).to_bitmask();
+        self.work.steps_seen += u64::from(seen.count_ones());
+        let colour = self.shade(simd, V3 { x: r, y: g, z: b }, V3 { x, y, z });
+        let left = times_exp2(splat(simd, 1.0), passes * factor);
+        (colour, left)
+    }
+
     /// A ray ends when less than this shines through: what is behind it, as bright as anything shown can be,
     /// then changes no channel by as much as is allowed.
     #[inline(always)]
@@ -219,7 +275,6 @@ impl<V: Corners> Follow<'_, V> {
         step: V3<S>,
         cell: [I<S>; 3],
         states: &Lanes<u32>,
-        k: F<S>,
     ) -> F<S> {
         let reach: F<S> = I::from_fn(
             simd,
@@ -230,12 +285,12 @@ impl<V: Corners> Follow<'_, V> {
         let x = steps_to_face(origin.x, step.x, cell[0], reach);
         let y = steps_to_face(origin.y, step.y, cell[1], reach);
         let z = steps_to_face(origin.z, step.z, cell[2], reach);
-        max(min(min(x, y), z).ceil(), k + 1.0)
+        min(min(x, y), z).ceil()
     }
 
-    /// Phong's model for colours in lanes; `values` are their levels and differences.
+    /// Phong's model for colours in lanes; `g` are gradients in voxel indices, of whatever length.
     #[inline(always)]
-    fn shade<S: Simd>(&self, simd: S, colour: V3<S>, values: &Four) -> V3<S> {
+    fn shade<S: Simd>(&self, simd: S, colour: V3<S>, g: V3<S>) -> V3<S> {
         let Some(phong) = self.options.phong else {
             return colour;
         };
@@ -243,8 +298,7 @@ impl<V: Corners> Follow<'_, V> {
             simd,
             #[inline(always)]
             || {
-                let [_, x, y, z] = four(simd, values);
-                let g = V3 { x, y, z };
+                let V3 { x, y, z } = g;
                 let [xx, yy, zz, xy, xz, yz] = self.geometry.metric;
                 let squared = x * (x * xx + y * xy + z * xz) + y * (y * yy + z * yz) + z * z * zz;
                 let unit = splat(simd, 1.0) / max(squared, splat(simd, 1e-12)).sqrt();

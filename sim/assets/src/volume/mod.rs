@@ -2,6 +2,7 @@
 
 mod generate;
 mod histogram;
+mod load;
 
 mod transfer;
 mod values;
@@ -9,6 +10,7 @@ mod voxels;
 
 pub use generate::{GeneratedVolume, volume_named};
 pub use histogram::ValueHistogram;
+pub use load::{LoadedVolume, VolumeFormat, load_volume, load_volume_bytes};
 
 pub use transfer::{TransferError, TransferFunction, TransferPoint};
 pub use values::{Frame, Volume, VolumeError, VolumeParts};

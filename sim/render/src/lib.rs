@@ -73,7 +73,7 @@ mod trace;
 mod visible;
 
 pub use error::RenderError;
-pub use frame::{Frame, render, render_into};
+pub use frame::{Frame, assemble, render, render_into};
 pub use options::{RenderOptions, Simd, Skip};
 pub use pass::{Surfel, visibility, visibility_at};
 pub use stereo::{StereoFrame, StereoShared, render_stereo};

@@ -106,7 +106,9 @@ struct Met {
     colours: Four,
     /// The parts of the volume that they are in.
     states: Lanes<u32>,
-    /// Which rays take a sample.
+    /// Which rays are within the volume.
+    within: u32,
+    /// … of which take a sample.
     taken: u32,
 }
 
@@ -115,6 +117,7 @@ impl Met {
         values: Four([0.0; 4 * WIDTH]),
         colours: Four([0.0; 4 * WIDTH]),
         states: Lanes([0; WIDTH]),
+        within: 0,
         taken: 0,
     };
 }
@@ -145,23 +148,32 @@ impl<V: Corners> Kernel for Follow<'_, V> {
             for met in &mut met {
                 let within = (at.simd_lt(samples) & alive).to_bitmask() as u32;
                 self.sample(simd, origin.add(step.scale(at)), within, met, &mut scratch);
+                met.within = within;
                 taken |= met.taken;
-                self.work.steps += u64::from(met.taken.count_ones());
-                self.work.steps_skipped += u64::from((within & !met.taken).count_ones());
                 at = at + 1.0;
             }
             if taken == 0 {
                 let cell = whole(origin.add(step.scale(k)));
                 let next = max(self.leave(simd, origin, step, cell, &met[0].states), at);
                 self.work.bricks_skipped += u64::from(live.count_ones());
-                self.count_skipped(alive.select(max(min(next, samples) - at, zero), zero));
+                self.count_skipped(alive.select(min(next, samples) - k, zero));
                 k = next;
                 alive = k.simd_lt(samples) & alive;
                 continue;
             }
             for met in &mut met {
+                // A ray that ends at the first of these steps has no more of them: what was taken is not counted.
+                let live = alive.to_bitmask() as u32;
+                self.work.steps += u64::from((live & met.taken).count_ones());
+                let skipped = live & met.within & !met.taken;
+                self.work.steps_skipped += u64::from(skipped.count_ones());
+                if met.taken == 0 {
+                    continue;
+                }
                 let (colour, left) = self.classify(simd, met, factor);
                 // Nothing more reaches a ray that has ended.
+                let seen = left.simd_lt(splat(simd, 1.0)) & alive;
+                self.work.steps_seen += u64::from(seen.to_bitmask().count_ones());
                 let left = alive.select(left * through, through);
                 light = light.add(colour.scale(through - left));
                 through = left;
@@ -204,25 +216,57 @@ impl<V: Corners> Follow<'_, V> {
         ];
         met.taken = 0;
         for lane in 0..WIDTH {
-            if within >> lane & 1 == 0 {
-                continue;
-            }
-            let state = self.cells.states[parts.0[lane] as usize];
+            // Rays that have left the volume may be anywhere.
+            let state = self.cells.states.get(parts.0[lane] as usize);
+            let state = state.copied().unwrap_or(0);
             met.states.0[lane] = state;
-            if state < OCCUPIED {
-                continue;
-            }
-            met.taken |= 1 << lane;
-            let pairs = self.voxels.pairs(places.0[lane], state, scratch);
-            let sample = interpolate(simd, pairs, [x.0[lane], y.0[lane], z.0[lane]]);
-            sample.store_slice(&mut met.values.0[4 * lane..4 * lane + 4]);
+            met.taken |= u32::from(state >= OCCUPIED) << lane;
         }
+        met.taken &= within;
+        let first = met.states.0[0];
+        let mut others = 0;
+        for state in met.states.0 {
+            others |= state ^ first;
+        }
+        let places = &places;
+        let inside = [&x, &y, &z];
+        if met.taken == u32::from(u16::MAX) && others == 0 {
+            // Most rays: where the voxels lie is found once for all.
+            for lane in 0..WIDTH {
+                let sample = self.take(simd, lane, first, places, inside, scratch);
+                sample.store_slice(&mut met.values.0[4 * lane..4 * lane + 4]);
+            }
+        } else {
+            for lane in 0..WIDTH {
+                if met.taken >> lane & 1 == 1 {
+                    let state = met.states.0[lane];
+                    let sample = self.take(simd, lane, state, places, inside, scratch);
+                    sample.store_slice(&mut met.values.0[4 * lane..4 * lane + 4]);
+                }
+            }
+        }
+    }
+
+    /// The sample of one ray.
+    #[inline(always)]
+    fn take<S: Simd>(
+        &self,
+        simd: S,
+        lane: usize,
+        state: u32,
+        places: &Lanes<i32>,
+        inside: [&Lanes<f32>; 3],
+        scratch: &mut [i16; 32],
+    ) -> f32x4<S> {
+        let pairs = self.voxels.pairs(places.0[lane], state, scratch);
+        let [x, y, z] = inside;
+        interpolate(simd, pairs, [x.0[lane], y.0[lane], z.0[lane]])
     }
 
     /// What samples look like: their colour, and the share of light that they let through. That is 1 for
     /// rays that took none.
     #[inline(always)]
-    fn classify<S: Simd>(&mut self, simd: S, met: &mut Met, factor: F<S>) -> (V3<S>, F<S>) {
+    fn classify<S: Simd>(&self, simd: S, met: &mut Met, factor: F<S>) -> (V3<S>, F<S>) {
         let [level, x, y, z] = four(simd, &met.values);
         let entries = (level * self.table.per_level + 0.5).to_int::<I<S>>();
         let entries = Lanes(entries.to_array());
@@ -234,8 +278,6 @@ impl<V: Corners> Follow<'_, V> {
         let zero = splat(simd, 0.0);
         let taken = M::from_bitmask(simd, u64::from(met.taken));
         let passes = taken.select(passes, zero);
-        let seen = passes.simd_lt(zero).to_bitmask();
-        self.work.steps_seen += u64::from(seen.count_ones());
         let colour = self.shade(simd, V3 { x: r, y: g, z: b }, V3 { x, y, z });
         let left = times_exp2(splat(simd, 1.0), passes * factor);
         (colour, left)

@@ -31,6 +31,9 @@ mod packet;
 mod table;
 mod work;
 
+#[cfg(test)]
+mod tests;
+
 pub use caster::{Caster, Prepared, Ray};
 pub use error::CastError;
 pub use foveasim_lanes::Instructions;

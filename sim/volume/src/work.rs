@@ -11,7 +11,8 @@ pub struct CastWork {
     pub rays_ended_early: u64,
     /// Rays asked for that lie off the display: not cast.
     pub rays_off_screen: u64,
-    /// Samples of the volume.
+    /// Samples of the volume up to where rays end. (Steps are taken in pairs: of a ray that ends at the first of
+    /// two, the second is read, too, and not counted.)
     pub steps: u64,
     /// … of which the transfer function shows something.
     pub steps_seen: u64,

@@ -153,6 +153,71 @@ fn names_of_no_format_are_refused() {
     }
 }
 
+/// Files with a few bytes changed, cut or doubled are volumes or errors: none panics, none takes long.
+#[test]
+fn damaged_files_do_no_harm() {
+    struct Beside;
+    impl SideFiles for Beside {
+        fn read(&self, _: &str) -> std::io::Result<Vec<u8>> {
+            Ok(little())
+        }
+    }
+    let mut nifti = vec![0u8; 352];
+    nifti[..4].copy_from_slice(&348i32.to_le_bytes());
+    for (k, n) in [3i16, 2, 3, 4].into_iter().enumerate() {
+        nifti[40 + 2 * k..42 + 2 * k].copy_from_slice(&n.to_le_bytes());
+    }
+    nifti[70] = 4;
+    nifti[108..112].copy_from_slice(&352f32.to_le_bytes());
+    nifti[344..347].copy_from_slice(b"n+1");
+    nifti.extend(little());
+    let nrrd =
+        b"NRRD0004\ntype: short\ndimension: 3\nsizes: 2 3 4\nendian: little\nencoding: raw\n\n";
+    let meta = b"NDims = 3\nDimSize = 2 3 4\nElementType = MET_SHORT\nElementDataFile = LOCAL\n";
+    let (head, data) = blocks();
+    let coded = STANDARD.encode(&head) + &STANDARD.encode(&data);
+    let vti = file(
+        "compressor=\"vtkZLibDataCompressor\"",
+        "format=\"binary\"",
+        coded.as_bytes(),
+        b"",
+    );
+    let json =
+        br#"{"vtkClass":"vtkImageData","extent":[0,1,0,2,0,3],"pointData":{"arrays":[{"data":
+        {"dataType":"Int16Array","ref":{"basepath":"data","id":"x"}}}]}}"#;
+    let toml = b"data = \"x\"\ndims = [2, 3, 4]\ntype = \"i16\"\n";
+    let files = [
+        ("a.nii", nifti),
+        ("a.nrrd", [&nrrd[..], &little()].concat()),
+        ("a.mha", [&meta[..], &little()].concat()),
+        ("a.vti", vti),
+        ("index.json", json.to_vec()),
+        ("a.toml", toml.to_vec()),
+    ];
+    let mut rng = foveasim_models::Stream::new(1, foveasim_models::Role::Scene, 0);
+    for (name, good) in files {
+        let whole = load_volume_bytes(&good, name, 0, &Beside);
+        assert_eq!(whole.unwrap().volume.value(UVec3::ZERO), -12.0, "{name}");
+        for _ in 0..1500 {
+            let mut bytes = good.clone();
+            for _ in 0..=rng.below(3) {
+                let at = rng.below(bytes.len().max(1) as u64) as usize;
+                match rng.below(5) {
+                    0 => bytes.truncate(at),
+                    1 => bytes.insert(at.min(bytes.len()), b'9'),
+                    2 if !bytes.is_empty() => bytes[at] = b"0 -9\n<\xff"[rng.below(7) as usize],
+                    3 if !bytes.is_empty() => bytes[at] ^= 1 << rng.below(8),
+                    _ => {
+                        let part = bytes[at.min(bytes.len())..].to_vec();
+                        bytes.extend(part);
+                    }
+                }
+            }
+            let _ = load_volume_bytes(&bytes, name, rng.below(2) as usize, &Beside);
+        }
+    }
+}
+
 /// Sides, range and where the middle of the first axis step leads, as the files' own makers say.
 #[test]
 fn real_files_load_as_their_headers_say() {

@@ -16,3 +16,4 @@ pub use foveasim_render as render;
 pub use foveasim_reports as reports;
 pub use foveasim_study as study;
 pub use foveasim_traces as traces;
+pub use foveasim_volume as volume;

@@ -144,6 +144,36 @@ impl DrawingArgs {
         }
     }
 
+    /// Instructions, and whether what is empty is left out, for a volume; refuses flags that say nothing
+    /// about one.
+    pub(crate) fn of_volume(&self) -> Result<(Simd, bool), Failure> {
+        let of_meshes = [
+            ("--msaa", self.msaa != Msaa::One),
+            ("--lod", self.lod != Lod::Footprint),
+            ("--supersample", self.supersample != 1),
+            ("--frames", self.frames != 1),
+            ("--temporal", self.temporal.is_some()),
+            ("--staggered", self.staggered),
+            ("--all-frames", self.all_frames),
+        ];
+        if let Some((flag, _)) = of_meshes.iter().find(|(_, given)| *given) {
+            return Err(Failure::bad_input(format!("{flag}: not with a volume")));
+        }
+        let skip_empty = match self.skip {
+            Skip::ALL => true,
+            Skip::NONE => false,
+            _ => {
+                let text = "--skip: must be all or none with a volume";
+                return Err(Failure::bad_input(text));
+            }
+        };
+        let simd = match self.simd {
+            SimdChoice::Auto => Simd::Auto,
+            SimdChoice::Scalar => Simd::Scalar,
+        };
+        Ok((simd, skip_empty))
+    }
+
     /// Refuses flags that would do nothing.
     pub(crate) fn check(&self) -> Result<(), Failure> {
         let refuse = |text: String| Err(Failure::bad_input(text));

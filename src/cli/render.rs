@@ -1,4 +1,5 @@
 mod stereo;
+mod volume;
 
 use foveasim_models::foveation::{Method, Request};
 use foveasim_models::math::tan_deg;
@@ -26,6 +27,8 @@ use super::{Context, Failure, options};
   foveasim render --msaa 4 --frames 16 --staggered --supersample 8 --size 960x540 --out frames
   foveasim render --display quest-pro --stereo --method efr:2:3 --gaze-distance 2 --out frames
   foveasim render --method kfr:2:1 --passes --out frames
+  foveasim render --scene head.nii.gz --size 1024x1024 --fov 40 --out frames
+  foveasim render --scene volume:shells:128 --orbit 60,10 --transfer bone.toml --out frames
   foveasim render --fov 70 --size 1920x1080 --slope guenter-b --margin-deg 2 --out frames")]
 pub(crate) struct Args {
     #[command(flatten)]
@@ -74,23 +77,21 @@ pub(crate) struct Args {
     passes: bool,
     #[command(flatten)]
     drawing: DrawingArgs,
+    #[command(flatten)]
+    volume: volume::VolumeArgs,
 }
 
 pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
     let display = options::display(&args.display)?;
+    if args.scene.is_volume() {
+        return volume::run(args, &display, ctx);
+    }
+    args.volume.check()?;
     if args.stereo {
         return stereo::run(args, &display, ctx);
     }
-    let viewport = viewport(args, display.primary(), &display)?;
-    let ahead = display.primary().ahead();
-    let gaze = args.gaze.map_or(ahead, |px| viewport.gaze_at(px.into()));
-    let request = Request {
-        viewport,
-        acuity: options::acuity(&args.slope)?,
-        gaze,
-        margin_deg: args.margin,
-        ..Request::ahead(display.primary())
-    };
+    let request = request(args, display.primary(), &display)?;
+    let viewport = request.viewport;
     args.drawing.check()?;
     let period_s = display.scan.rate.period().as_secs();
     let stage = args
@@ -152,6 +153,21 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
 fn pictures(frame: &Frame) -> impl Iterator<Item = (usize, &Image)> {
     let passes = frame.passes.iter().enumerate();
     passes.filter(|(_, image)| image.size.min_element() > 0)
+}
+
+/// What is drawn for the panel of the eye that looks ahead, and from where the flags say.
+fn request(args: &Args, panel: &EyePanel, display: &Display) -> Result<Request, Failure> {
+    let viewport = viewport(args, panel, display)?;
+    let gaze = args
+        .gaze
+        .map_or(panel.ahead(), |px| viewport.gaze_at(px.into()));
+    Ok(Request {
+        viewport,
+        acuity: options::acuity(&args.slope)?,
+        gaze,
+        margin_deg: args.margin,
+        ..Request::ahead(panel)
+    })
 }
 
 /// The image plane of a panel of the display, with another size or field of view where asked for.

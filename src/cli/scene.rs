@@ -3,9 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use foveasim_assets::{
-    LoadOptions, STUDY_FRAMES, Scene, Up, framing, load_scene, look_at, study_camera, study_scene,
+    LoadOptions, STUDY_FRAMES, Scene, Up, Volume, VolumeFormat, framing, load_scene, load_volume,
+    look_at, study_camera, study_scene, volume_named,
 };
 use foveasim_models::{Pose, Viewport, unknown_name};
+use glam::DAffine3;
 
 use foveasim_study::Sight;
 
@@ -14,7 +16,9 @@ use super::{Context, Failure, options};
 /// Scene and camera.
 #[derive(Debug, clap::Args)]
 pub(crate) struct SceneArgs {
-    /// What to draw: study (the scene of Guenter et al. 2012), or an OBJ, glTF, GLB, PLY or STL file
+    /// What to draw: study (the scene of Guenter et al. 2012), an OBJ, glTF, GLB, PLY or STL file, or a
+    /// volume: a NIfTI, NRRD, MetaImage, VTI or TOML file, a vtk.js folder, or volume:KIND[:SIZE] with a KIND of
+    /// marschner-lobb, jet, filaments, vortices, porous or shells
     #[arg(long, value_name = "NAME|FILE", default_value = "study")]
     scene: String,
     /// Frame of the study scene's fly-through, 0 to 5376; the last one with --frames [default: 500]
@@ -66,6 +70,9 @@ pub(crate) struct Stage {
 const STUDY_NEAR_M: f64 = 0.05;
 /// The near plane of a file of unknown size, as a share of that size, but no farther.
 const NEAR_SHARE: f64 = 0.005;
+
+/// What names of generated volumes begin with.
+const GENERATED: &str = "volume:";
 
 /// Most instances of all frames together: each frame has a copy of them.
 const MOST_PLACEMENTS: usize = 1 << 20;
@@ -186,8 +193,45 @@ impl SceneArgs {
         })
     }
 
+    /// Whether a volume is to be drawn.
+    pub(crate) fn is_volume(&self) -> bool {
+        let path = Path::new(&self.scene);
+        self.scene.starts_with(GENERATED) || VolumeFormat::is_named(path)
+    }
+
+    /// The volume that is to be drawn, number `frame` of those that its file has, as it stands before the
+    /// viewer.
+    pub(crate) fn volume(&self, frame: usize, ctx: &Context) -> Result<Volume, Failure> {
+        let of_others = [
+            ("--frame", self.frame.is_some()),
+            ("--time", self.time.is_some()),
+            ("--texture", self.texture.is_some()),
+        ];
+        if let Some((flag, _)) = of_others.iter().find(|(_, given)| *given) {
+            return Err(Failure::bad_input(format!("{flag}: not with a volume")));
+        }
+        let volume = match self.scene.strip_prefix(GENERATED) {
+            Some(name) => volume_named(name, ctx.seed)?,
+            None => {
+                let loaded = load_volume(Path::new(&self.scene), frame)?;
+                for warning in &loaded.warnings {
+                    ctx.warn(warning);
+                }
+                loaded.volume
+            }
+        };
+        Ok(match self.up {
+            None => volume.facing_viewer(),
+            Some(Axis::Y) => volume,
+            Some(Axis::Z) => {
+                let turn = DAffine3::from_rotation_x(-std::f64::consts::FRAC_PI_2);
+                volume.placed(turn)?
+            }
+        })
+    }
+
     /// The camera that the flags ask for, or else `own`; if only moved, it looks at `middle`.
-    fn eye(&self, own: Pose, middle: Option<[f64; 3]>) -> Result<Pose, Failure> {
+    pub(crate) fn eye(&self, own: Pose, middle: Option<[f64; 3]>) -> Result<Pose, Failure> {
         if self.camera.is_none() && self.look_at.is_none() {
             return Ok(own);
         }

@@ -9,3 +9,4 @@ mod render;
 mod report;
 mod reproduce;
 mod scratch;
+mod volumes;

@@ -5,6 +5,9 @@
 //! [`study_scene`] generates the scene of Guenter et al. 2012, §5; [`study_camera`] flies through it
 //! and [`StudyGaze`] looks at what comes nearest. [`load_scene`] reads OBJ, glTF, GLB, PLY and STL files.
 //!
+//! A [`Volume`] is values on a lattice in space, a [`TransferFunction`] says how they look;
+//! [`GeneratedVolume`] are computed ones, [`load_volume`] reads files.
+//!
 //! # Simplifications
 //!
 //! Instances move rigidly; no normal maps and no transparency; one sun, no shadows.
@@ -27,6 +30,7 @@ mod terrain;
 mod tessellate;
 mod texture;
 mod track;
+mod volume;
 
 pub use camera::{framing, look_at};
 pub use environment::EnvironmentMap;
@@ -47,3 +51,8 @@ pub use terrain::{TERRAIN_EXTENT_M, terrain_height, terrain_mesh};
 pub use tessellate::{Tessellation, tessellate, tessellation_ladder};
 pub use texture::{Encoding, LARGEST_SIDE, MipLevel, Texture, TextureError, Wrap};
 pub use track::{Key, Motion, Repeat, Track, TrackError};
+pub use volume::{
+    Frame, GeneratedVolume, LoadedVolume, TransferError, TransferFunction, TransferPoint,
+    ValueHistogram, Volume, VolumeError, VolumeFormat, VolumeParts, Voxels, load_volume,
+    load_volume_bytes, volume_named,
+};

@@ -45,6 +45,31 @@ pub(crate) fn filtered_above(
     sum
 }
 
+/// Value noise in [−1, 1] on the integer grid of space, with continuous second derivative.
+pub(crate) fn value_3d(p: [f64; 3], seed: u32) -> f64 {
+    let [(ix, fx), (iy, fy), (iz, fz)] = p.map(cell);
+    let layer = |dz: u32| {
+        let seed = hash(iz.wrapping_add(dz), seed, 0x5bd1_e995);
+        let at = |dx: u32, dy: u32| f64::from(hash(ix.wrapping_add(dx), iy.wrapping_add(dy), seed));
+        let low = at(0, 0) + fx * (at(1, 0) - at(0, 0));
+        let high = at(0, 1) + fx * (at(1, 1) - at(0, 1));
+        low + fy * (high - low)
+    };
+    let (front, back) = (layer(0), layer(1));
+    (front + fz * (back - front)) * (2.0 / f64::from(u32::MAX)) - 1.0
+}
+
+/// Octaves of [`value_3d`], each twice as fine and half as high: within ±2.
+pub(crate) fn fractal_3d(p: [f64; 3], octaves: u32, seed: u32) -> f64 {
+    let (mut sum, mut amplitude, mut scale) = (0.0, 1.0, 1.0);
+    for octave in 0..octaves {
+        sum += amplitude * value_3d(p.map(|x| x * scale), seed.wrapping_add(octave));
+        amplitude *= 0.5;
+        scale *= 2.0;
+    }
+    sum
+}
+
 /// Cell index and smooth position in the cell, for |x| < 2⁶³. (`f64::floor` is a call where the target
 /// has no instruction for it.)
 fn cell(x: f64) -> (u32, f64) {

@@ -1,5 +1,5 @@
 use foveasim_assets::Scene;
-use foveasim_models::{Image, Resolve, SamplePlan, View, Work};
+use foveasim_models::{Image, Lattice, Pass, Resolve, SamplePlan, Shading, View, Work};
 use glam::UVec2;
 
 use crate::check::check;
@@ -86,6 +86,42 @@ pub fn render_into(
     ))
 }
 
+/// The frame of passes that something else drew, one image for each in the plan's order, as their lattices
+/// have it; a pass that shades nothing may be left empty. The frame's work is that of putting them together.
+///
+/// # Errors
+/// As [`render`], and if images are missing or of another size.
+pub fn assemble(
+    view: &View,
+    plan: &SamplePlan,
+    passes: Vec<Image>,
+    options: &RenderOptions,
+) -> Result<Frame, RenderError> {
+    check(view, plan, options)?;
+    let fits = |(pass, image): (&Pass, &Image)| {
+        let empty = pass.shading == Shading::Nowhere && image.rgb.is_empty();
+        let full = pass.lattice == Lattice::Grid(image.size)
+            && image.rgb.len() as u64 == pass.lattice.samples();
+        full || empty
+    };
+    if passes.len() != plan.passes.len() || !plan.passes.iter().zip(&passes).all(fits) {
+        let sizes: Vec<String> = passes.iter().map(|p| p.size.to_string()).collect();
+        return Err(RenderError::OutOfRange {
+            field: "images of passes",
+            value: sizes.join(", "),
+            valid: format!(
+                "one for each pass of {}, as large as its lattice",
+                plan.method
+            ),
+        });
+    }
+    let works = vec![Work::default(); passes.len()];
+    let (shared, spare) = (Work::default(), Vec::new());
+    Ok(put_together(
+        view, plan, passes, works, shared, options, spare,
+    ))
+}
+
 /// The frame of passes that were drawn, each with its work; `shared` is work that they share.
 pub(crate) fn put_together(
     view: &View,
@@ -111,5 +147,26 @@ pub(crate) fn put_together(
         work,
         pass_work,
         passes,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use foveasim_models::{Eye, Pose, Viewport};
+
+    use super::*;
+
+    #[test]
+    fn passes_that_do_not_fit_are_refused() {
+        let size = UVec2::new(8, 4);
+        let optics = Viewport::symmetric(size, 1.0).expect("a viewport");
+        let view = View::still(Eye::Cyclopean, optics, Pose::IDENTITY);
+        let plan = SamplePlan::full(Eye::Cyclopean, size);
+        let image = |size| Image::filled(size, [0.5; 3]);
+        let put = |passes| assemble(&view, &plan, passes, &RenderOptions::default());
+        assert_eq!(put(vec![image(size)]).expect("it fits").image, image(size));
+        assert!(put(vec![]).is_err());
+        assert!(put(vec![image(size + 1)]).is_err());
+        assert!(put(vec![image(size), image(size)]).is_err());
     }
 }

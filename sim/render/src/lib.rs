@@ -76,7 +76,7 @@ mod trace;
 mod visible;
 
 pub use error::RenderError;
-pub use frame::{Frame, render, render_into};
+pub use frame::{Frame, assemble, render, render_into};
 pub use moving::{Bound, BoundCounts, TriangleCount, bound_counts, sample_looks};
 pub use options::{RenderOptions, Simd, Skip};
 pub use pass::{Surfel, visibility, visibility_at};

@@ -34,6 +34,15 @@ pub enum LoadError {
         /// The file.
         file: String,
     },
+    /// The content is of no known format of volumes.
+    #[error(
+        "{file}: neither its content nor its name is that of a known volume format: NIfTI, NRRD, MetaImage, \
+         VTK image data, vtk.js or raw with TOML"
+    )]
+    VolumeFormat {
+        /// The file.
+        file: String,
+    },
     /// Something in the file is wrong.
     #[error("{file}: {place}: {problem}")]
     Content {
@@ -56,35 +65,35 @@ pub enum LoadError {
 
 /// Something wrong in a file, before it is known which file that is.
 #[derive(Debug)]
-pub(super) struct Flaw {
+pub(crate) struct Flaw {
     place: String,
     problem: String,
 }
 
 impl Flaw {
-    pub(super) fn new(place: impl ToString, problem: impl ToString) -> Self {
+    pub(crate) fn new(place: impl ToString, problem: impl ToString) -> Self {
         Self {
             place: place.to_string(),
             problem: problem.to_string(),
         }
     }
 
-    pub(super) fn line(line: usize, problem: impl ToString) -> Self {
+    pub(crate) fn line(line: usize, problem: impl ToString) -> Self {
         Self::new(format_args!("line {line}"), problem)
     }
 
     /// The same in another file, which the first one names.
-    pub(super) fn within(self, file: &str) -> Self {
+    pub(crate) fn within(self, file: &str) -> Self {
         let place = format!("{file}: {}", self.place);
         Self { place, ..self }
     }
 
     /// What is wrong, without where.
-    pub(super) fn problem(&self) -> &str {
+    pub(crate) fn problem(&self) -> &str {
         &self.problem
     }
 
-    pub(super) fn of(self, file: &str) -> LoadError {
+    pub(crate) fn of(self, file: &str) -> LoadError {
         LoadError::Content {
             file: file.into(),
             place: self.place,

@@ -28,7 +28,7 @@ impl SideFiles for NoSideFiles {
 
 /// Files in the scene's own folder and those below it.
 #[derive(Debug)]
-pub(super) struct Folder(pub(super) PathBuf);
+pub(crate) struct Folder(pub(crate) PathBuf);
 
 impl SideFiles for Folder {
     fn read(&self, name: &str) -> io::Result<Vec<u8>> {
@@ -45,7 +45,7 @@ impl SideFiles for Folder {
 }
 
 /// The whole of a file of reasonable length.
-pub(super) fn whole(path: &Path) -> Result<Vec<u8>, LoadError> {
+pub(crate) fn whole(path: &Path) -> Result<Vec<u8>, LoadError> {
     read(path).map_err(|source| {
         let path = path.to_owned();
         match (source.kind(), fs::metadata(&path)) {

@@ -31,11 +31,11 @@ use crate::{
     Encoding, Instance, Material, Mesh, Motion, STUDY_SUN, Scene, SceneParts, Similarity, Sky, Sun,
     Texture, Textured, Track, Wrap, study_sky,
 };
-use error::Flaw;
-use files::Folder;
+pub(crate) use error::Flaw;
+pub(crate) use files::{Folder, whole};
 use picture::decode;
 use soup::Soup;
-use warnings::Warnings;
+pub(crate) use warnings::Warnings;
 
 /// A format of mesh files.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -114,7 +114,7 @@ const CREASE_COSINE: f64 = std::f64::consts::FRAC_1_SQRT_2;
 /// number that is not finite, an index out of range, no triangle, or less than it claims. Missing
 /// material libraries and pictures are warnings.
 pub fn load_scene(path: &Path, options: &LoadOptions) -> Result<Loaded, LoadError> {
-    let bytes = files::whole(path)?;
+    let bytes = whole(path)?;
     let folder = path.parent().unwrap_or(Path::new("")).to_owned();
     load_bytes(&bytes, &path.to_string_lossy(), &Folder(folder), options)
 }
@@ -144,7 +144,7 @@ pub fn load_bytes(
     }
     if let Some(path) = &options.texture {
         let file = path.to_string_lossy();
-        let texture = decode(&files::whole(path)?, Encoding::Srgb, [Wrap::Repeat; 2]);
+        let texture = decode(&whole(path)?, Encoding::Srgb, [Wrap::Repeat; 2]);
         let texture = texture.map_err(|problem| Flaw::new("picture", problem).of(&file))?;
         draft.lay(texture, &mut warnings);
     }

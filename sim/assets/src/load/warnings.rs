@@ -1,6 +1,6 @@
 /// Collects warnings about one file: each once, and not without end.
 #[derive(Debug)]
-pub(super) struct Warnings {
+pub(crate) struct Warnings {
     file: String,
     lines: Vec<String>,
     unsaid: usize,
@@ -10,7 +10,7 @@ pub(super) struct Warnings {
 const MOST: usize = 16;
 
 impl Warnings {
-    pub(super) fn new(file: &str) -> Self {
+    pub(crate) fn new(file: &str) -> Self {
         Self {
             file: file.into(),
             lines: Vec::new(),
@@ -18,7 +18,7 @@ impl Warnings {
         }
     }
 
-    pub(super) fn add(&mut self, text: impl std::fmt::Display) {
+    pub(crate) fn add(&mut self, text: impl std::fmt::Display) {
         let line = format!("{}: {text}", self.file);
         if self.lines.contains(&line) {
             return;
@@ -30,7 +30,7 @@ impl Warnings {
         }
     }
 
-    pub(super) fn finish(mut self) -> Vec<String> {
+    pub(crate) fn finish(mut self) -> Vec<String> {
         if self.unsaid > 0 {
             let file = &self.file;
             self.lines

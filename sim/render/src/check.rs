@@ -32,6 +32,21 @@ pub(crate) fn check(
     plan: &SamplePlan,
     options: &RenderOptions,
 ) -> Result<(), RenderError> {
+    check_plan(
+        view,
+        plan,
+        options,
+        Warp::of(scene, view, options).is_some(),
+    )
+}
+
+/// The same whatever the scene; `warped` if what it shows moves, or is seen through a lens.
+pub(crate) fn check_plan(
+    view: &View,
+    plan: &SamplePlan,
+    options: &RenderOptions,
+    warped: bool,
+) -> Result<(), RenderError> {
     options.check()?;
     check_view(view)?;
     let size = view.optics.size;
@@ -51,7 +66,7 @@ pub(crate) fn check(
         };
         check_pass(p, view).map_err(refuse)?;
         check_sharing(plan, index).map_err(refuse)?;
-        if Warp::of(scene, view, options).is_some() {
+        if warped {
             check_warped(p).map_err(refuse)?;
         }
         samples += p.lattice.samples();

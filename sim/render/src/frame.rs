@@ -2,7 +2,7 @@ use foveasim_assets::Scene;
 use foveasim_models::{Image, Lattice, Pass, Resolve, SamplePlan, Shading, View, Work};
 use glam::UVec2;
 
-use crate::check::check;
+use crate::check::{check, check_plan};
 use crate::chromatic::separate;
 use crate::pass::PassMemory;
 use crate::passes::draw_passes;
@@ -97,7 +97,7 @@ pub fn assemble(
     passes: Vec<Image>,
     options: &RenderOptions,
 ) -> Result<Frame, RenderError> {
-    check(view, plan, options)?;
+    check_plan(view, plan, options, !view.is_still() || view.lens.is_some())?;
     let fits = |(pass, image): (&Pass, &Image)| {
         let empty = pass.shading == Shading::Nowhere && image.rgb.is_empty();
         let full = pass.lattice == Lattice::Grid(image.size)

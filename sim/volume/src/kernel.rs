@@ -150,7 +150,7 @@ impl<V: Corners> Kernel for Follow<'_, V> {
                 self.sample(simd, origin.add(step.scale(at)), within, met, &mut scratch);
                 met.within = within;
                 taken |= met.taken;
-                at = at + 1.0;
+                at += 1.0;
             }
             if taken == 0 {
                 let cell = whole(origin.add(step.scale(k)));
@@ -179,7 +179,7 @@ impl<V: Corners> Kernel for Follow<'_, V> {
                 through = left;
                 let ended = through.simd_lt(limit) & alive;
                 self.work.rays_ended_early += u64::from(ended.to_bitmask().count_ones());
-                alive = alive & !ended;
+                alive &= !ended;
             }
             k = at;
             alive = k.simd_lt(samples) & alive;
@@ -424,9 +424,9 @@ fn power<S: Simd>(simd: S, x: F<S>, exponent: u32) -> F<S> {
     let (mut result, mut square, mut rest) = (splat(simd, 1.0), x, exponent);
     while rest > 0 {
         if rest & 1 == 1 {
-            result = result * square;
+            result *= square;
         }
-        square = square * square;
+        square *= square;
         rest >>= 1;
     }
     result

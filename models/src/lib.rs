@@ -26,6 +26,7 @@
 mod acuity;
 mod color;
 mod cost;
+mod density;
 mod display;
 mod durations;
 mod error;
@@ -48,6 +49,7 @@ mod work;
 pub use acuity::{Acuity, OMEGA_0_DEG, QUALITY_INDEX_DEG, SLOPE_A, SLOPE_B};
 pub use color::{Image, linear_from_srgb, srgb8_from_linear};
 pub use cost::{CostProfile, DrawnCost, FixedCost, FrameCost, FrameInput, MeasuredCost};
+pub use density::{FitTarget, FitWeight, GaussianFit, RayDensity};
 pub use display::{
     Display, DisplaySpec, Emission, EyeOrder, EyePanel, Geometry, HmdSpec, Lens, LensSpec, LightAt,
     PixelDensity, PixelResponse, PlanarSpec, ScanClock, ScanDirection, ScanSkew, ScanSpec,

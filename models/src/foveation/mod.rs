@@ -61,6 +61,7 @@ pub use method::Method;
 pub use place::Place;
 pub use prepared::Prepared;
 pub use quad::{Focus, QuadSettings};
+pub(crate) use quadrature::{adaptive, gauss};
 pub use rates::RatesSettings;
 pub use request::Request;
 pub use screen::Screen;

@@ -101,6 +101,14 @@ impl RayDensity {
         }
     }
 
+    /// Its two numbers: σ and floor, or peak and r₂.
+    pub fn parameters(&self) -> [f64; 2] {
+        match *self {
+            Self::Gaussian { sigma_px, floor } => [sigma_px, floor],
+            Self::Mar { peak, half_px } => [peak, half_px],
+        }
+    }
+
     /// Φ at `r_px` from the gaze \[rays per pixel\].
     pub fn at(&self, r_px: f64) -> f64 {
         match *self {
@@ -128,7 +136,10 @@ impl RayDensity {
     /// Rays on the whole plane; infinite unless it is a Gaussian without floor.
     pub fn on_plane(&self) -> f64 {
         match *self {
-            Self::Gaussian { sigma_px, floor } if floor == 0.0 => TAU * sigma_px * sigma_px,
+            Self::Gaussian {
+                sigma_px,
+                floor: 0.0,
+            } => TAU * sigma_px * sigma_px,
             _ => f64::INFINITY,
         }
     }
@@ -136,15 +147,13 @@ impl RayDensity {
     /// Rays in `area`, given relative to the gaze \[px\].
     pub fn in_rect(&self, area: Rect) -> f64 {
         let [a, b] = [area.min, area.max];
-        self.from_gaze(b)
-            - self.from_gaze(DVec2::new(a.x, b.y))
-            - self.from_gaze(DVec2::new(b.x, a.y))
-            + self.from_gaze(a)
+        self.up_to(b) - self.up_to(DVec2::new(a.x, b.y)) - self.up_to(DVec2::new(b.x, a.y))
+            + self.up_to(a)
     }
 
     /// Rays on a display of `size` pixels with the gaze in its middle.
     pub fn on_display(&self, size: DVec2) -> f64 {
-        4.0 * self.from_gaze(size / 2.0)
+        4.0 * self.up_to(size / 2.0)
     }
 
     /// ∫₀ᴿ Φ(r)·r dr.
@@ -170,8 +179,8 @@ impl RayDensity {
         }
     }
 
-    /// ∫∫ Φ over the rectangle between the gaze and `corner`, negative where one coordinate is.
-    fn from_gaze(&self, corner: DVec2) -> f64 {
+    /// ∫∫ Φ over the rectangle from the gaze up to `corner`, negative where one coordinate is.
+    fn up_to(&self, corner: DVec2) -> f64 {
         let sign = corner.x.signum() * corner.y.signum();
         let DVec2 { x, y } = corner.abs();
         if x == 0.0 || y == 0.0 {

@@ -63,9 +63,10 @@ impl RayDensity {
     /// that are no Gaussian without floor.
     pub fn mean_fraction(&self, size: UVec2) -> Option<f64> {
         match *self {
-            Self::Gaussian { sigma_px, floor } if floor == 0.0 => {
-                Some(mean_fraction(sigma_px, size))
-            }
+            Self::Gaussian {
+                sigma_px,
+                floor: 0.0,
+            } => Some(mean_fraction(sigma_px, size)),
             _ => None,
         }
     }

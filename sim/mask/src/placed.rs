@@ -72,6 +72,11 @@ impl<'a> PlacedMask<'a> {
         }
     }
 
+    /// The mask.
+    pub fn mask(&self) -> &'a Mask {
+        self.mask
+    }
+
     /// How many rays to cast.
     pub fn rays(&self) -> usize {
         self.live.len()

@@ -10,7 +10,7 @@ const LEAF: u32 = 4;
 ///
 /// Blocks of pixels are divided in four while several sites may be nearest somewhere in them. A site is out of a
 /// block if another is nearer to all of its four corners, since the difference of two squared distances varies
-/// linearly. Sites are multiples of 2⁻¹⁰ px below 2¹⁴, so distances are exact, and so is this.
+/// linearly. Coordinates of sites have at most 24 bits, so distances are exact, and so is this.
 ///
 /// # Panics
 /// If there is no site.

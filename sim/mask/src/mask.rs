@@ -1,4 +1,3 @@
-use foveasim_models::math::sqrt;
 use glam::{DVec2, UVec2};
 
 use crate::cells::nearest_sites;
@@ -31,11 +30,7 @@ impl Mask {
         let settled = settle(spec, &phi, progress);
         let order = morton_order(&settled.sites);
         let sites: Vec<DVec2> = order.iter().map(|&k| settled.sites[k as usize]).collect();
-        let spacing = order
-            .iter()
-            .map(|&k| sqrt(f64::from(settled.cells[k as usize].pixels)) as f32)
-            .collect();
-        // Anew, so that ties go to the first in the order that is kept.
+        let spacing = order.iter().map(|&k| settled.spacing[k as usize]).collect();
         let owner = nearest_sites(spec.mask_px(), &sites);
         let mirrored = mirrored(spec.mask_px(), &sites, &owner);
         let delaunay = Delaunay::new(&mirrored.places)?;

@@ -6,11 +6,12 @@ use crate::phi::{ONE, Phi};
 /// What a cell holds, in whole numbers: the sums do not depend on their order.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Moments {
-    /// Pixels.
-    pub(crate) pixels: u32,
+    /// Parts of pixels.
+    pub(crate) parts: u32,
     /// Σ Φ \[1/[`ONE`] rays\].
     pub(crate) density: u64,
-    /// Σ Φ·d, where d is from the pixel of the site to this one: below 2²⁴·2²⁵·2¹⁴.
+    /// Σ Φ·d, where d is from the part of a pixel with the site to this one: below 2²²·2²⁴·2¹⁵, as there are at
+    /// most 2²² rays.
     first: [i64; 2],
     /// Σ Φ·dx², Σ Φ·dx·dy, Σ Φ·dy².
     second: [i128; 3],
@@ -51,7 +52,7 @@ impl Moments {
     }
 
     fn add(&mut self, other: &Self) {
-        self.pixels += other.pixels;
+        self.parts += other.parts;
         self.density += other.density;
         for (a, b) in self.first.iter_mut().zip(other.first) {
             *a += b;
@@ -62,7 +63,7 @@ impl Moments {
     }
 }
 
-/// What the cell of each site holds.
+/// What the cell of each site holds; places are in parts of pixels.
 pub(crate) fn moments(phi: &Phi, owner: &[u32], sites: &[DVec2]) -> Vec<Moments> {
     let size = phi.size();
     let pixel_of: Vec<[i32; 2]> = sites.iter().map(|s| [s.x as i32, s.y as i32]).collect();
@@ -76,7 +77,7 @@ pub(crate) fn moments(phi: &Phi, owner: &[u32], sites: &[DVec2]) -> Vec<Moments>
                 let weight = i64::from(density);
                 let (dx, dy) = (i64::from(x - sx), i64::from(y as i32 - sy));
                 let m = &mut all[site as usize];
-                m.pixels += 1;
+                m.parts += 1;
                 m.density += u64::from(density);
                 m.first[0] += weight * dx;
                 m.first[1] += weight * dy;

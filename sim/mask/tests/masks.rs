@@ -36,7 +36,7 @@ fn cells_hold_their_share() {
             for row in &found.iterations {
                 assert_eq!(row.total, found.integral);
             }
-            // Rounded to 2⁻²⁴ a pixel, and taken at the pixels' middles.
+            // Rounded to 2⁻²⁴, and taken at the middles of quarters of pixels.
             assert!(
                 (found.integral / spec.rays() - 1.0).abs() < 2e-3,
                 "{density:?}"
@@ -117,7 +117,7 @@ fn every_pixel_has_its_sites() {
                         assert_eq!(nearest(&place(&from[0])), least);
                     } else {
                         let edge = (middle - (q - middle).abs()).min_element();
-                        assert!(edge < 2.0 * reach.max(near), "{at} {from:?}");
+                        assert!(edge < 3.0 * reach.max(near), "{at} {from:?}");
                     }
                 }
             }
@@ -168,7 +168,7 @@ fn no_grid_shows() {
         let wanted = match distance {
             d if *d < 0.4 => 0.0..=0.05,
             d if *d > 2.2 => 0.8..=1.2,
-            _ => 0.0..=2.2,
+            _ => 0.0..=2.8,
         };
         assert!(wanted.contains(ratio), "{distance} {ratio}");
     }

@@ -195,12 +195,12 @@ impl<'a> MaskReport<'a> {
     /// Cells and order of rays around the gaze, by the name of their files: the whole fovea, and near.
     pub fn pictures(&self) -> [(&'static str, Image); 4] {
         let whole = self.mask.size().min(UVec2::splat(1024));
-        let near = UVec2::splat(768);
+        let near = UVec2::splat(1024);
         [
             ("cells", cells_picture(self.mask, whole, 1)),
-            ("cells-near", cells_picture(self.mask, near, 6)),
+            ("cells-near", cells_picture(self.mask, near, 3)),
             ("order", order_picture(self.mask, whole, 1)),
-            ("order-near", order_picture(self.mask, near, 6)),
+            ("order-near", order_picture(self.mask, near, 3)),
         ]
     }
 }

@@ -1,8 +1,8 @@
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use clap::Subcommand;
-use foveasim_mask::{Cache, Hysteresis, Mask, MaskSpec};
+use foveasim_mask::{Cache, Hysteresis, LbgIteration, Mask, MaskSpec};
 use foveasim_models::math::tan_deg;
 use foveasim_models::{Acuity, RayDensity, Viewport, unknown_name};
 use foveasim_reports::png;
@@ -87,7 +87,7 @@ fn build(args: &BuildArgs, ctx: &Context) -> Result<(), Failure> {
     let outputs = ctx.out.is_some().then(|| ctx.outputs("out")).transpose()?;
     let began = Instant::now();
     let bar = ctx.progress(0, "cells that change");
-    let progress = |row: &foveasim_mask::LbgIteration| {
+    let progress = |row: &LbgIteration| {
         bar.set_message(format!(
             "iteration {}: {} of {} cells change",
             row.iteration,
@@ -96,23 +96,12 @@ fn build(args: &BuildArgs, ctx: &Context) -> Result<(), Failure> {
         ));
         bar.tick();
     };
-    let (mask, how) = match &args.cache {
-        None => (Mask::build(&spec, &progress)?, "built"),
-        Some(folder) => {
-            let cached = Cache::new(folder).get(&spec, &progress)?;
-            if let Some(why) = &cached.replaced {
-                ctx.warn(&format!("{why}: built anew"));
-            }
-            if let Some(why) = &cached.not_kept {
-                ctx.warn(&format!("the mask could not be kept: {why}"));
-            }
-            (cached.mask, if cached.loaded { "loaded" } else { "built" })
-        }
-    };
+    let (mask, loaded) = get(args.cache.as_deref(), &spec, &progress, ctx)?;
     bar.finish_and_clear();
     let took = began.elapsed().as_secs_f64();
     let report = MaskReport::new(&mask);
     ctx.print_table(&report.summary())?;
+    let how = if loaded { "loaded" } else { "built" };
     ctx.note(&format!("{how} in {took:.2} s"));
     if let Some(mut outputs) = outputs {
         outputs.add("summary.csv", report.summary().csv());
@@ -130,6 +119,26 @@ fn build(args: &BuildArgs, ctx: &Context) -> Result<(), Failure> {
         }
     }
     Ok(())
+}
+
+/// The mask of `spec`, by way of a cache if there is one, and whether it was there; what was wrong with it is said.
+pub(crate) fn get(
+    cache: Option<&Path>,
+    spec: &MaskSpec,
+    progress: &dyn Fn(&LbgIteration),
+    ctx: &Context,
+) -> Result<(Mask, bool), Failure> {
+    let Some(folder) = cache else {
+        return Ok((Mask::build(spec, progress)?, false));
+    };
+    let cached = Cache::new(folder).get(spec, progress)?;
+    if let Some(why) = &cached.replaced {
+        ctx.warn(&format!("{why}: built anew"));
+    }
+    if let Some(why) = &cached.not_kept {
+        ctx.warn(&format!("the mask could not be kept: {why}"));
+    }
+    Ok((cached.mask, cached.loaded))
 }
 
 impl BuildArgs {

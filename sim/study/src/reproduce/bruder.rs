@@ -48,11 +48,13 @@ pub struct BruderVolume {
     pub transfer: TransferFunction,
 }
 
-/// Masks of one specification, each with its own interpolation: nearest, barycentric and natural.
+/// The masks that are measured, of one display.
 #[derive(Debug)]
 pub struct BruderMasks {
-    /// Their sites are the same; in the order of [`foveasim_mask::Interpolation::ALL`].
+    /// Of one specification but for their interpolation, in the order of [`foveasim_mask::Interpolation::ALL`].
     pub masks: [Mask; 3],
+    /// Of the paper's density, for its errors beside theirs; natural.
+    pub gaussian: Mask,
 }
 
 /// What a [`Bruder2019`] found.

@@ -43,32 +43,34 @@ pub struct BruderRing {
 /// A way to draw.
 struct Way {
     name: &'static str,
-    interpolation: Interpolation,
+    /// Of the masks of the density that is measured; none: the paper's density.
+    interpolation: Option<Interpolation>,
     step: StepLaw,
     /// Frames that are averaged.
     frames: u32,
 }
 
-fn ways(asked: &Bruder2019) -> [Way; 6] {
+fn ways(asked: &Bruder2019) -> [Way; 7] {
     let way = |name, interpolation, step, frames| Way {
         name,
         interpolation,
         step,
         frames,
     };
-    use Interpolation::{Barycentric, Natural, Nearest};
+    let [nearest, barycentric, natural] = Interpolation::ALL.map(Some);
     [
-        way("natural", Natural, asked.step, 1),
-        way("natural, equal steps", Natural, StepLaw::Equal, 1),
-        way("natural, authors' steps", Natural, StepLaw::AUTHORS, 1),
+        way("natural", natural, asked.step, 1),
+        way("natural, equal steps", natural, StepLaw::Equal, 1),
+        way("natural, authors' steps", natural, StepLaw::AUTHORS, 1),
         way(
             "natural, mean of 8 frames",
-            Natural,
+            natural,
             asked.step,
             TemporalMean::PUBLISHED_FRAMES,
         ),
-        way("barycentric", Barycentric, asked.step, 1),
-        way("nearest", Nearest, asked.step, 1),
+        way("natural, Gaussian density", None, asked.step, 1),
+        way("barycentric", barycentric, asked.step, 1),
+        way("nearest", nearest, asked.step, 1),
     ]
 }
 
@@ -93,7 +95,10 @@ impl BruderErrors {
             let degrees = |part: &f64| atan_deg(part * optics.tan[1]);
             let rings = Rings::new(EDGES.iter().map(degrees).collect())?;
             for (way, rows) in ways(asked).iter().zip(&mut found) {
-                let mask = &masks.masks[way.interpolation as usize];
+                let mask = match way.interpolation {
+                    Some(interpolation) => &masks.masks[interpolation as usize],
+                    None => &masks.gaussian,
+                };
                 let image = draw(caster, camera, mask, way, asked.seed)?;
                 rows.push(compare(&image, &full)?.rings(optics, middle, &rings)?);
                 if number == 0 && way.name == "natural" {

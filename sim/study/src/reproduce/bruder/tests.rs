@@ -7,16 +7,18 @@ use super::*;
 
 fn masks(size: u32) -> BruderMasks {
     let size = UVec2::splat(size);
-    let density = RayDensity::gaussian_of_fraction(0.12, size.as_dvec2()).unwrap();
-    let spec = MaskSpec::new(size, density, 1);
+    let build = |density: RayDensity, interpolation: Interpolation| {
+        let spec = MaskSpec {
+            interpolation,
+            ..MaskSpec::new(size, density, 1)
+        };
+        Mask::build(&spec, &|_| {}).unwrap()
+    };
+    let gaussian = RayDensity::gaussian_of_fraction(0.12, size.as_dvec2()).unwrap();
+    let mar = RayDensity::of_parts(1.5, 8.0).unwrap();
     BruderMasks {
-        masks: Interpolation::ALL.map(|interpolation| {
-            let spec = MaskSpec {
-                interpolation,
-                ..spec
-            };
-            Mask::build(&spec, &|_| {}).unwrap()
-        }),
+        masks: Interpolation::ALL.map(|interpolation| build(mar, interpolation)),
+        gaussian: build(gaussian, Interpolation::Natural),
     }
 }
 
@@ -60,7 +62,7 @@ fn all_is_measured_and_written() {
             assert!(foveated.rays == equal.rays && foveated.rays < full.rays / 2);
             assert!(foveated.steps <= equal.steps && equal.steps < full.steps);
         }
-        assert_eq!(v.errors.rings.len(), 24);
+        assert_eq!(v.errors.rings.len(), 28);
         let bias = |way| v.errors.at(way, 1).unwrap().bias.abs();
         assert!(bias("natural") < 3.0, "{:?}", v.errors);
         // The fovea is at full rate.

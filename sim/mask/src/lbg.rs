@@ -103,7 +103,7 @@ pub(crate) fn settle(spec: &MaskSpec, phi: &Phi, progress: &dyn Fn(&LbgIteration
         }
         sites = next;
     }
-    unreachable!("from h = 2 on nothing merges, and a cell of one pixel is never split")
+    unreachable!("h grows until no cell holds too little or too much")
 }
 
 /// Where sites begin \[parts of pixels\], and how many of them, which come first, stay there: one in the middle of each pixel

@@ -73,20 +73,22 @@ fn changes(mask: &Mask) -> LineChart {
     }
 }
 
+/// Cells of a Gaussian's outermost rays are ten times as wide as any before them: wider ones are in the table alone \[px\].
+const WIDEST_PX: f64 = 48.0;
+
 fn spacing(bins: &[SpacingBin]) -> LineChart {
-    let of = |k: usize| bins.iter().map(move |b| [b.distance_px, b.spacing_px[k]]);
-    // Where there is less than a ray of density left, it asks for more than the mask has.
-    let widest = bins.iter().map(|b| b.spacing_px[2]).fold(1.0, f64::max);
-    let wanted = bins.iter().map(|b| [b.distance_px, b.wanted_px]);
+    let shown = || bins.iter().filter(|b| b.spacing_px[2] <= WIDEST_PX);
+    let of = |k: usize| shown().map(move |b| [b.distance_px, b.spacing_px[k]]);
+    let wanted = shown().map(|b| [b.distance_px, b.wanted_px]);
     LineChart {
-        title: "How far apart rays are".into(),
+        title: "How far apart rays are, up to 48 px".into(),
         x_label: "distance from the gaze [px]".into(),
         y_label: "√(area of a cell) [px]".into(),
         series: vec![
             line("5 % of rays are closer", of(0)),
             line("median", of(1)),
             line("5 % of rays are farther", of(2)),
-            line("density asks for", wanted.filter(|p| p[1] <= 1.2 * widest)),
+            line("density asks for", wanted),
         ],
         ..LineChart::default()
     }

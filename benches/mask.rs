@@ -72,7 +72,7 @@ fn parts(spec: &MaskSpec, rounds: u32, clock: &mut dyn FnMut() -> Duration) -> M
     println!("round,part,ms");
     let mut built = None;
     for round in 0..rounds.max(1) {
-        let mut row = |what: &str, from: Duration, to: Duration| {
+        let row = |what: &str, from: Duration, to: Duration| {
             println!("{round},{what},{:.3}", (to - from).as_secs_f64() * 1e3);
         };
         let began = clock();

@@ -188,6 +188,14 @@ fn main() {
                 ..own
             },
         ),
+        // VTK ends a ray when less than 255 of 32,767 shines through; 1.2 is the brightest that is shown.
+        (
+            "ended-as-vtk",
+            CastOptions {
+                terminate: 1.2 * 255.0 / 32_767.0,
+                ..own
+            },
+        ),
         (
             "gradients-at-samples",
             CastOptions {

@@ -9,6 +9,7 @@
 pub mod cli;
 
 pub use foveasim_assets as assets;
+pub use foveasim_mask as mask;
 pub use foveasim_models as models;
 pub use foveasim_pipeline as pipeline;
 pub use foveasim_quality as quality;

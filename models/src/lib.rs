@@ -26,6 +26,7 @@
 mod acuity;
 mod color;
 mod cost;
+mod density;
 mod display;
 mod durations;
 mod error;
@@ -50,6 +51,7 @@ pub use color::{Image, linear_from_srgb, srgb8_from_linear};
 pub use cost::{
     CostForm, CostProfile, DrawnCost, FixedCost, FrameCost, FrameInput, FrameWork, MeasuredCost,
 };
+pub use density::{FitTarget, FitWeight, GaussianFit, RayDensity};
 pub use display::{
     Display, DisplaySpec, Emission, EyeOrder, EyePanel, Geometry, HmdSpec, Lens, LensSpec, LightAt,
     PixelDensity, PixelResponse, PlanarSpec, ScanClock, ScanDirection, ScanSkew, ScanSpec,

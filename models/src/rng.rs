@@ -37,6 +37,8 @@ pub enum Role {
     Blink = 13,
     /// Transport of tracker samples.
     Transport = 14,
+    /// Where sampling masks begin.
+    Mask = 15,
 }
 
 /// Random numbers of one (seed, role, index): the same on any machine and any number of threads.

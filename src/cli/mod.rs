@@ -6,6 +6,7 @@ mod drawing;
 mod failure;
 mod init;
 mod latency;
+mod mask;
 mod options;
 mod plan;
 mod presets;
@@ -51,6 +52,7 @@ enum Command {
     Replay(Box<replay::Args>),
     Render(render::Args),
     Reproduce(reproduce::Args),
+    Mask(mask::Args),
     Trace(trace::Args),
     Presets(presets::Args),
     Init(init::Args),
@@ -69,6 +71,7 @@ pub fn main() -> ExitCode {
         Command::Replay(args) => replay::run(args, &ctx),
         Command::Render(args) => render::run(args, &ctx),
         Command::Reproduce(args) => reproduce::run(args, &ctx),
+        Command::Mask(args) => mask::run(args, &ctx),
         Command::Trace(args) => trace::run(args, &ctx),
         Command::Presets(args) => presets::run(args, &ctx),
         Command::Init(args) => init::run(args, &ctx),

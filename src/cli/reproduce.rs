@@ -1,3 +1,5 @@
+mod bruder;
+
 use std::time::Instant;
 
 use foveasim_models::unknown_name;
@@ -15,20 +17,23 @@ use super::{Context, Failure, options};
   foveasim reproduce guenter2012 --out guenter2012
   foveasim reproduce guenter2012 --quick --out quick
   foveasim reproduce meng2020 --out meng2020
+  foveasim reproduce bruder2019 --cache masks --out bruder2019
+  foveasim reproduce bruder2019 --volume ct.nii.gz --volume jet:128 --cameras 16 --gazes 8
   foveasim reproduce stein2021
   foveasim reproduce guenter2012 --frames 48 --antialiasing-frames 0 --out times-only")]
 pub(crate) struct Args {
     /// The paper: guenter2012 (Foveated 3D Graphics), meng2020 (Eye-dominance-guided Foveated
-    /// Rendering: its equations, what its Fig. 7 says of them, and times and errors measured), or stein2021 (latencies of three headsets, predicted
+    /// Rendering: its equations, what its Fig. 7 says of them, and times and errors measured), bruder2019
+    /// (Voronoi-Based Foveated Volume Rendering: its Table 1, and error by ring), or stein2021 (latencies of three headsets, predicted
     /// from their presets)
     #[arg(value_name = "PAPER")]
     paper: String,
     /// Moments of the fly-through at which things are measured; Figs 10 and 11 of guenter2012 take a third
-    /// [default: 8; meng2020: 4]
+    /// [default: 8; meng2020: 4]; for bruder2019 frames for each gaze, of which the median counts [default: 3]
     #[arg(long, value_name = "N", conflicts_with = "quick")]
     frames: Option<u32>,
     /// Pixels of the image, of each eye's for meng2020; the field of view is that of the study's display
-    /// [default: 1920x1080; meng2020: 1280x1440]
+    /// [default: 1920x1080; meng2020: 1280x1440; bruder2019: 1024x1024]
     #[arg(long, value_name = "WxH", value_parser = options::size, conflicts_with = "quick")]
     size: Option<[u32; 2]>,
     /// Consecutive frames on which antialiasing is judged against 8 x 8 samples to the pixel; 0 for none [default: 12]
@@ -40,15 +45,22 @@ pub(crate) struct Args {
     /// Small pictures of few moments: seconds instead of minutes, and times that mean little
     #[arg(long)]
     quick: bool,
+    #[command(flatten)]
+    bruder: bruder::BruderArgs,
 }
 
 pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
-    match args.paper.as_str() {
+    let paper = args.paper.as_str();
+    if paper == "bruder2019" {
+        return bruder2019(args, ctx);
+    }
+    args.bruder.refuse(paper)?;
+    match paper {
         "guenter2012" => {}
         "meng2020" => return meng2020(args, ctx),
         "stein2021" => return stein2021(args, ctx),
         other => {
-            let papers = ["guenter2012", "meng2020", "stein2021"];
+            let papers = ["bruder2019", "guenter2012", "meng2020", "stein2021"];
             return Err(unknown_name("paper", other, &papers).into());
         }
     }
@@ -83,6 +95,14 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
         ctx.print(&format!("\nreport  {}\n", report.display()))?;
     }
     Ok(())
+}
+
+fn bruder2019(args: &Args, ctx: &Context) -> Result<(), Failure> {
+    if args.antialiasing_frames.is_some() || args.antialiasing_size.is_some() {
+        let text = "bruder2019 has no antialiasing: --antialiasing-* are for guenter2012";
+        return Err(Failure::bad_input(text));
+    }
+    args.bruder.run(args.frames, args.size, args.quick, ctx)
 }
 
 /// Runs for each headset of Stein 2021.

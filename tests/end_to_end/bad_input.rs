@@ -290,3 +290,55 @@ fn a_closed_pipe_is_not_an_error() {
     drop(child.stdout.take());
     assert!(child.wait().unwrap().success());
 }
+
+#[test]
+fn masks() {
+    let s = Scratch::new();
+    let build = |more: &[&str], parts: &[&str]| {
+        refused(&s, &[&["mask", "build"], more].concat(), parts);
+    };
+    build(&["--density", "gausian"], &["did you mean `gaussian`?"]);
+    build(
+        &["--interpolation", "cubic"],
+        &["valid: nearest, barycentric, natural"],
+    );
+    build(&["--fraction", "0"], &["fraction of rays = 0", "above 0"]);
+    build(&["--fraction", "nan"], &["fraction of rays = NaN"]);
+    build(
+        &["--density", "mar", "--fraction", "1.5"],
+        &["fraction of rays = 1.5"],
+    );
+    build(
+        &["--density", "mar", "--floor", "0.1"],
+        &["--floor are for --density gaussian"],
+    );
+    build(&["--slope", "guenter-a"], &["--slope is for --density mar"]);
+    build(&["--sigma-deg", "-3"], &["--sigma-deg -3", "0.001 to 60"]);
+    build(
+        &["--distance-cm", "0"],
+        &["--distance-cm 0", "0.001 to 100000"],
+    );
+    build(&["--size", "4x4"], &["display of a mask = 4 x 4"]);
+    build(
+        &["--size", "60000x60000"],
+        &["display of a mask = 60000 x 60000"],
+    );
+    build(&["--hysteresis-step", "0"], &["hysteresis = 0.5 + 0 i"]);
+    build(&["--display", "quest-por"], &["did you mean `quest-pro`?"]);
+    build(&["--floor", "2"], &["floor [rays per pixel] = 2"]);
+    let bruder = |more: &[&str], parts: &[&str]| {
+        refused(&s, &[&["reproduce", "bruder2019"], more].concat(), parts);
+    };
+    bruder(
+        &["--cameras", "0", "--size", "32x32", "--volume", "jet:8"],
+        &["cameras = 0"],
+    );
+    bruder(&["--volume", "jett:8"], &["did you mean `jet`?"]);
+    bruder(&["--volume", "no/such.nii"], &["no/such.nii"]);
+    bruder(
+        &["--antialiasing-frames", "3"],
+        &["--antialiasing-* are for guenter2012"],
+    );
+    let stein = ["reproduce", "stein2021", "--gazes", "3"];
+    refused(&s, &stein, &["stein2021 has no volumes"]);
+}

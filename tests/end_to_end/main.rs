@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod determinism;
+mod masks;
 mod plan_and_latency;
 mod real_recordings;
 mod recordings;

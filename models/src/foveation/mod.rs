@@ -62,6 +62,7 @@ pub use method::Method;
 pub use place::Place;
 pub use prepared::Prepared;
 pub use quad::{Focus, QuadSettings};
+pub(crate) use quadrature::{adaptive, gauss};
 pub use radial::RadialSettings;
 pub use rates::RatesSettings;
 pub use request::Request;

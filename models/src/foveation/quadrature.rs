@@ -35,7 +35,7 @@ const KRONROD_15: [(f64, f64, f64); 8] = [
 ];
 
 /// ∫ f over [a, b] by 8 points: exact for polynomials up to degree 15.
-pub(super) fn gauss(a: f64, b: f64, f: impl Fn(f64) -> f64) -> f64 {
+pub(crate) fn gauss(a: f64, b: f64, f: impl Fn(f64) -> f64) -> f64 {
     let (mid, half) = ((a + b) / 2.0, (b - a) / 2.0);
     let pair = |(x, w): (f64, f64)| w * (f(mid - half * x) + f(mid + half * x));
     half * GAUSS_8.into_iter().map(pair).sum::<f64>()
@@ -44,7 +44,7 @@ pub(super) fn gauss(a: f64, b: f64, f: impl Fn(f64) -> f64) -> f64 {
 /// ∫ f over consecutive `pieces` ([a, b, c] stands for [a, b] and [b, c]), bisected until the
 /// Gauss–Kronrod error estimate, which is far larger than the true error where f is smooth, is within
 /// `relative` of the whole.
-pub(super) fn adaptive(pieces: &[f64], relative: f64, f: impl Fn(f64) -> f64) -> f64 {
+pub(crate) fn adaptive(pieces: &[f64], relative: f64, f: impl Fn(f64) -> f64) -> f64 {
     // Bisection stops here at a jump; 2⁻⁴⁰ of the range is below any tolerance used.
     const MAX_DEPTH: u32 = 40;
     let rule = |a: f64, b: f64| {

@@ -10,8 +10,9 @@
 //! * [`FrameStudy`]: one frame by any method beside its reference;
 //! * [`StereoStudy`]: one frame of both eyes of a headset;
 //! * [`TemporalStudy`]: consecutive frames beside a [`supersampled`] reference: what flickers;
+//! * [`MaskReport`]: what there is to say of a sampling mask;
 //! * [`KernelTimes`], [`KernelErrors`]: what kernel foveated rendering pays in time and costs in error;
-//! * [`Guenter2012`], [`Meng2020`]: a paper's tables and figures, ours beside theirs;
+//! * [`Guenter2012`], [`Meng2020`], [`Bruder2019`]: a paper's tables and figures, ours beside theirs;
 //! * [`Scenario`] and [`run()`]: all of it, in one report.
 
 mod chain;
@@ -19,6 +20,7 @@ mod events;
 mod frame;
 mod kernel;
 mod latency;
+mod mask;
 mod numbers;
 mod prediction;
 mod recording;
@@ -46,6 +48,7 @@ pub use latency::{
     LatencyResult, LatencySample, LatencyStudy, MAX_RUNS, QUANTITIES, Quantity, ROWS, Rows,
     RunStart, Sensitivity, sensitivity_table, tornado,
 };
+pub use mask::{MaskReport, interpolation as mask_interpolation};
 pub use numbers::parse_numbers;
 pub use prediction::{ErrorSpread, Prediction, PredictionRow, PredictionStudy};
 pub use recording::recording_table;
@@ -56,9 +59,11 @@ pub use replay::{
     replay_each, replay_streamed,
 };
 pub use reproduce::{
-    Antialiasing, Column, DominanceFit, Fig7User, Guenter2012, Guenter2012Outcome, LatencyBars,
-    LatencyRow, Meng2020, Payoff, PayoffRow, Predicted, PredictedRow, QualityRow, QualitySweep,
-    ReproduceError, Stein2021, SteinRow, Table1, Table1Cell, TimeFit, Times, UserSigmas,
+    Antialiasing, Bruder2019, Bruder2019Outcome, BruderErrors, BruderFound, BruderMasks,
+    BruderRing, BruderRow, BruderTimes, BruderVolume, Column, DominanceFit, Fig7User, Guenter2012,
+    Guenter2012Outcome, LatencyBars, LatencyRow, Meng2020, Payoff, PayoffRow, Predicted,
+    PredictedRow, QualityRow, QualitySweep, ReproduceError, Stein2021, SteinRow, Table1,
+    Table1Cell, TimeFit, Times, UserSigmas,
 };
 pub use run::{
     MARGIN_TOLERANCE_DEG, MOMENT_PICTURES, MarginLoop, MarginStep, MethodSaving, Moment, PlanCost,

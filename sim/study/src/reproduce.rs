@@ -1,7 +1,8 @@
 //! Papers' tables and figures, ours beside theirs: Guenter et al., *Foveated 3D Graphics*, 2012; Meng et al.,
-//! *Eye-dominance-guided Foveated Rendering*, 2020; and the latencies of Stein et al., 2021.
+//! *Eye-dominance-guided Foveated Rendering*, 2020; Bruder et al., *Voronoi-Based Foveated Volume Rendering*, 2019; and the latencies of Stein et al., 2021.
 
 mod antialiasing;
+mod bruder;
 mod latency;
 mod line;
 mod meng;
@@ -18,14 +19,20 @@ mod table1;
 use std::time::Duration;
 
 use foveasim_assets::{StudyContent, study_scene};
+use foveasim_mask::MaskError;
 use foveasim_models::foveation::Method;
 use foveasim_models::{Acuity, Geometry, ModelError, Viewport, presets};
 use foveasim_quality::{QualityError, WINDOW};
 use foveasim_render::RenderError;
 use foveasim_reports::{ReportError, Table};
+use foveasim_volume::CastError;
 use glam::UVec2;
 use thiserror::Error;
 
+pub use bruder::{
+    Bruder2019, Bruder2019Outcome, BruderErrors, BruderFound, BruderMasks, BruderRing, BruderRow,
+    BruderTimes, BruderVolume,
+};
 pub use latency::{LatencyBars, LatencyRow};
 pub use meng::{DominanceFit, Fig7User, Meng2020, UserSigmas};
 pub use paper::Column;
@@ -82,6 +89,12 @@ pub enum ReproduceError {
     /// Images cannot be compared.
     #[error(transparent)]
     Quality(#[from] QualityError),
+    /// There is no mask, or no image from it.
+    #[error(transparent)]
+    Mask(#[from] MaskError),
+    /// Rays cannot be cast.
+    #[error(transparent)]
+    Cast(#[from] CastError),
     /// Latency cannot be bounded.
     #[error(transparent)]
     Latency(#[from] LatencyError),

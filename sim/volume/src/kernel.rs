@@ -150,7 +150,7 @@ impl<V: Corners> Kernel for Follow<'_, V> {
                 self.sample(simd, origin.add(step.scale(at)), within, met, &mut scratch);
                 met.within = within;
                 taken |= met.taken;
-                at = at + 1.0;
+                at += 1.0;
             }
             if taken == 0 {
                 let cell = whole(origin.add(step.scale(k)));
@@ -179,7 +179,7 @@ impl<V: Corners> Kernel for Follow<'_, V> {
                 through = left;
                 let ended = through.simd_lt(limit) & alive;
                 self.work.rays_ended_early += u64::from(ended.to_bitmask().count_ones());
-                alive = alive & !ended;
+                alive &= !ended;
             }
             k = at;
             alive = k.simd_lt(samples) & alive;
@@ -216,51 +216,19 @@ impl<V: Corners> Follow<'_, V> {
         ];
         met.taken = 0;
         for lane in 0..WIDTH {
-            // Rays that have left the volume may be anywhere.
-            let state = self.cells.states.get(parts.0[lane] as usize);
-            let state = state.copied().unwrap_or(0);
+            if within >> lane & 1 == 0 {
+                continue;
+            }
+            let state = self.cells.states[parts.0[lane] as usize];
             met.states.0[lane] = state;
-            met.taken |= u32::from(state >= OCCUPIED) << lane;
-        }
-        met.taken &= within;
-        let first = met.states.0[0];
-        let mut others = 0;
-        for state in met.states.0 {
-            others |= state ^ first;
-        }
-        let places = &places;
-        let inside = [&x, &y, &z];
-        if met.taken == u32::from(u16::MAX) && others == 0 {
-            // Most rays: where the voxels lie is found once for all.
-            for lane in 0..WIDTH {
-                let sample = self.take(simd, lane, first, places, inside, scratch);
-                sample.store_slice(&mut met.values.0[4 * lane..4 * lane + 4]);
+            if state < OCCUPIED {
+                continue;
             }
-        } else {
-            for lane in 0..WIDTH {
-                if met.taken >> lane & 1 == 1 {
-                    let state = met.states.0[lane];
-                    let sample = self.take(simd, lane, state, places, inside, scratch);
-                    sample.store_slice(&mut met.values.0[4 * lane..4 * lane + 4]);
-                }
-            }
+            met.taken |= 1 << lane;
+            let pairs = self.voxels.pairs(places.0[lane], state, scratch);
+            let sample = interpolate(simd, pairs, [x.0[lane], y.0[lane], z.0[lane]]);
+            sample.store_slice(&mut met.values.0[4 * lane..4 * lane + 4]);
         }
-    }
-
-    /// The sample of one ray.
-    #[inline(always)]
-    fn take<S: Simd>(
-        &self,
-        simd: S,
-        lane: usize,
-        state: u32,
-        places: &Lanes<i32>,
-        inside: [&Lanes<f32>; 3],
-        scratch: &mut [i16; 32],
-    ) -> f32x4<S> {
-        let pairs = self.voxels.pairs(places.0[lane], state, scratch);
-        let [x, y, z] = inside;
-        interpolate(simd, pairs, [x.0[lane], y.0[lane], z.0[lane]])
     }
 
     /// What samples look like: their colour, and the share of light that they let through. That is 1 for
@@ -456,9 +424,9 @@ fn power<S: Simd>(simd: S, x: F<S>, exponent: u32) -> F<S> {
     let (mut result, mut square, mut rest) = (splat(simd, 1.0), x, exponent);
     while rest > 0 {
         if rest & 1 == 1 {
-            result = result * square;
+            result *= square;
         }
-        square = square * square;
+        square *= square;
         rest >>= 1;
     }
     result

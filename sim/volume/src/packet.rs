@@ -120,8 +120,7 @@ impl Sight {
         // Where the ray is within the volume, in steps from the eye.
         let to_low = (DVec3::splat(WITHIN) - self.eye) / step;
         let to_high = (self.last - self.eye) / step;
-        // Along an axis that the ray does not follow the bounds are infinite, or not numbers on a face: then
-        // neither counts.
+        // Along an axis that the ray does not follow, both are infinite: all of it or nothing.
         let enter = to_low.min(to_high).max_element().max(0.0);
         let exit = to_low.max(to_high).min_element();
         let shift = match self.jitter {
@@ -130,7 +129,7 @@ impl Sight {
         };
         let first = (enter - shift).ceil().max(0.0);
         let samples = (exit - shift).floor() - first + 1.0;
-        if !(samples >= 1.0) {
+        if samples.is_nan() || samples < 1.0 {
             work.rays_missed += 1;
             return Ok(());
         }

@@ -98,7 +98,7 @@ pub(super) fn load(bytes: &[u8], frame: usize, warnings: &mut Warnings) -> Resul
     }
     let each = draft.bytes()?;
     let skip = (offset as usize)
-        .checked_add(frame.checked_mul(each).unwrap_or(usize::MAX))
+        .checked_add(frame.saturating_mul(each))
         .filter(|s| *s <= 1 << 36)
         .ok_or_else(|| {
             Flaw::new(
@@ -222,8 +222,11 @@ mod tests {
     use crate::volume::load_volume_bytes;
     use glam::UVec3;
 
+    /// Puts a number at a byte of the header, as long as the third says (0: single precision).
+    type Put<'a> = &'a mut dyn FnMut(usize, f64, usize);
+
     /// A header and 2 × 3 × 4 voxels of i16, counting up from −5.
-    fn file(big: bool, change: impl Fn(&mut dyn FnMut(usize, f64, usize))) -> Vec<u8> {
+    fn file(big: bool, change: impl Fn(Put<'_>)) -> Vec<u8> {
         let mut bytes = vec![0u8; 352];
         let mut put = |at: usize, value: f64, size: usize| {
             let le: Vec<u8> = match size {
@@ -306,9 +309,7 @@ mod tests {
 
     #[test]
     fn lies_are_refused() {
-        let error = |change: &dyn Fn(&mut dyn FnMut(usize, f64, usize))| {
-            read(&file(false, change)).unwrap_err()
-        };
+        let error = |change: &dyn Fn(Put<'_>)| read(&file(false, change)).unwrap_err();
         let text = error(&|put| put(46, 5.0, 2));
         assert!(
             text.contains("a.nii: voxels: 48 bytes, but 2 x 3 x 5"),

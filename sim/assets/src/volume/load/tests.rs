@@ -220,6 +220,7 @@ fn damaged_files_do_no_harm() {
 
 /// Sides, range and where the middle of the first axis step leads, as the files' own makers say.
 #[test]
+#[expect(clippy::print_stderr, reason = "a test that is skipped must say so")]
 fn real_files_load_as_their_headers_say() {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("../../../shared/data/volume");
     if !folder.is_dir() {

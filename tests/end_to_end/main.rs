@@ -3,6 +3,7 @@
 mod bad_input;
 mod determinism;
 mod plan_and_latency;
+mod planner;
 mod real_recordings;
 mod recordings;
 mod render;

@@ -239,7 +239,7 @@ impl Calibration {
             }
         });
         LineChart {
-            title: "Predicted over measured time of rows that were left out".into(),
+            title: "Errors of rows that were left out".into(),
             x_label: "measured time [ms]".into(),
             y_label: "error [%]".into(),
             series: series.collect(),

@@ -109,10 +109,11 @@ fn solved(mut a: Vec<Vec<f64>>) -> Option<Vec<f64>> {
         if a[k][k].abs() < 1e-9 {
             return None;
         }
-        for i in k + 1..n {
-            let factor = a[i][k] / a[k][k];
-            for j in k..=n {
-                a[i][j] -= factor * a[k][j];
+        let row = a[k].clone();
+        for below in &mut a[k + 1..] {
+            let factor = below[k] / row[k];
+            for (v, p) in below.iter_mut().zip(&row).skip(k) {
+                *v -= factor * p;
             }
         }
     }

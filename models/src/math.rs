@@ -3,7 +3,9 @@
 //! The platform's `sin` may differ from machine to machine by a bit; `libm`'s does not. Everything
 //! whose result can reach a golden file goes through here.
 
-pub use libm::{acos, asin, atan, atan2, cos, erf, exp, hypot, log, log10, pow, sin, sqrt, tan};
+pub use libm::{
+    acos, asin, atan, atan2, cos, erf, erfc, exp, hypot, log, log10, pow, sin, sqrt, tan,
+};
 
 /// Degrees per radian.
 pub const DEG_PER_RAD: f64 = 180.0 / std::f64::consts::PI;

@@ -1,5 +1,6 @@
 //! The command-line tool: flags and glue, one file per subcommand.
 
+mod calibrate;
 mod chain;
 mod context;
 mod drawing;
@@ -47,7 +48,8 @@ struct Cli {
 #[derive(Debug, Subcommand)]
 enum Command {
     Run(Box<run::Args>),
-    Plan(plan::Args),
+    Plan(Box<plan::Args>),
+    Calibrate(calibrate::Args),
     Latency(latency::Args),
     Replay(Box<replay::Args>),
     Render(render::Args),
@@ -67,6 +69,7 @@ pub fn main() -> ExitCode {
     let outcome = Context::new(&cli.global).and_then(|ctx| match &cli.command {
         Command::Run(args) => run::run(args, &ctx),
         Command::Plan(args) => plan::run(args, &ctx),
+        Command::Calibrate(args) => calibrate::run(args, &ctx),
         Command::Latency(args) => latency::run(args, &ctx),
         Command::Replay(args) => replay::run(args, &ctx),
         Command::Render(args) => render::run(args, &ctx),

@@ -34,6 +34,9 @@ use super::{Context, Failure, options};
   foveasim plan --display quest-pro --method full,layers:3,vrs,fdm,rates,quad,quad:auto
   foveasim plan --display quest-pro --method vrs,vrs:fixed,vrs:fixed=25
   foveasim plan --fov 80..120:10 --ppd centre:20,centre:40 --refresh 72,90,120 --eyes 2
+  foveasim plan --fov 100 --ppd centre:25 --refresh 90 --solve gpu --target 90hz
+  foveasim plan --fov 100 --ppd centre:25 --method layers:3 --solve accuracy --target 5x
+  foveasim plan --display quest-pro --method layers:3,vrs --spread
   foveasim plan --fov 10..130:1 --shard 3/16 --out part3
   foveasim plan merge part1 part2 part3 --out all
   foveasim plan --display quest-pro --method kfr:2:4,kfr:2:1,kfr:2:0.25,efr:2:3,lms:1:1
@@ -69,6 +72,9 @@ the gaze than slopes were measured. frame_ms is the time that the cost profile p
 its own cadence, frame_all_ms with every layer; fits_refresh compares both with the refresh;
 beyond_fit names the work that is beyond what the profile rests on. framebuffer_mb is of all layers and
 of the image put together from them. link_gbps carries layers as often as they are drawn.
+--solve latency: the eye goes on at --eye-speed while the picture is late, and the margin must cover
+that besides --margin-deg. --spread: percentiles over viewers (a normal law of 15 subjects' quality
+index), the tracker's error, the cost profile's error where it states one, and all of them.
 Where a display has two eyes, samples are those of both, pixels and layers those of one."
 )]
 pub(crate) struct Args {
@@ -159,6 +165,24 @@ pub(crate) struct Args {
     /// Make one part of the rows, which `plan merge` puts together
     #[arg(long, value_name = "K/N", requires = "out")]
     shard: Option<String>,
+    /// Find what just meets --target: latency, accuracy, ppd or gpu
+    #[arg(long, value_name = "UNKNOWN", requires = "target", conflicts_with_all = ["resume", "shard", "spread"])]
+    solve: Option<String>,
+    /// What is to be met, with its unit: a speedup 5x, a frame time 11ms, or a refresh rate 90hz
+    #[arg(long, value_name = "TARGET", requires = "solve")]
+    target: Option<String>,
+    /// How fast the eye goes on while the picture is late [deg/s], for --solve latency
+    #[arg(long, value_name = "SPEED", default_value_t = 30.0)]
+    eye_speed: f64,
+    /// How savings spread over viewers, the tracker's error and the cost profile's
+    #[arg(long, conflicts_with_all = ["resume", "shard"])]
+    spread: bool,
+    /// Standard deviation of the tracker's error along one axis [deg], for --spread
+    #[arg(long, value_name = "DEG", default_value_t = 0.5)]
+    tracker_sd_deg: f64,
+    /// Draws of --spread for each row
+    #[arg(long, value_name = "N", default_value_t = 99)]
+    draws: u32,
 }
 
 /// What is found instead of counted.
@@ -200,6 +224,8 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
     match &args.find {
         Some(Find::Kernel(args)) => kernel::run(args, ctx),
         Some(Find::Merge(args)) => run::merge(args, ctx),
+        None if args.solve.is_some() => run::solve(args, ctx),
+        None if args.spread => run::spread(args, ctx),
         None => run::sweep(args, ctx),
     }
 }

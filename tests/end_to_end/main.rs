@@ -4,6 +4,7 @@ mod bad_input;
 mod determinism;
 mod masks;
 mod plan_and_latency;
+mod planner;
 mod real_recordings;
 mod recordings;
 mod render;

@@ -1,6 +1,7 @@
 //! Studies: where models, traces, pipeline, renderer, metrics and reports meet.
 //!
 //! * [`Sweep`]: sample counts over displays, methods, acuity, gaze and margins;
+//! * [`Calibration`]: what work costs, fitted to measured frames;
 //! * [`SpacingStudy`]: how far apart every method's samples lie, and the kernel that needs the fewest;
 //! * [`LatencyStudy`]: gaze-to-photon time, simulated and bounded;
 //! * [`EventStudy`]: fixations, saccades and blinks of a recording;
@@ -15,6 +16,7 @@
 //! * [`Guenter2012`], [`Meng2020`], [`Bruder2019`]: a paper's tables and figures, ours beside theirs;
 //! * [`Scenario`] and [`run()`]: all of it, in one report.
 
+mod calibrate;
 mod chain;
 mod events;
 mod frame;
@@ -36,6 +38,9 @@ mod sweep;
 mod temporal;
 mod tracks;
 
+pub use calibrate::{
+    Calibration, Coefficient, CostFit, CostRow, CostRows, non_negative_least_squares,
+};
 pub use chain::{Chain, ChainSpec, DriftSpec, HeadSampling, PARTS, Part, render_law};
 pub use events::EventStudy;
 pub use frame::{Drawing, FrameError, FrameOutcome, FrameStudy, Shot, Sight};
@@ -78,8 +83,9 @@ pub use spacing::{CurvePoint, SpacingCurve, SpacingOutcome, SpacingRow, SpacingS
 pub use stereo::{StereoOutcome, StereoStudy};
 pub use supersample::supersampled;
 pub use sweep::{
-    Buffers, DensityAt, Drawn, Fits, GazeAt, Link, Needs, Resolution, SWEEP_COLUMNS, Shard, Sweep,
-    SweepDisplay, SweepEye, SweepRow, Terms,
+    Buffers, DensityAt, Drawn, Fits, GazeAt, Link, Needs, Outcome, Resolution, SWEEP_COLUMNS,
+    SavingsSpread, SavingsSpreadRow, Shard, Solution, Solve, Sweep, SweepDisplay, SweepEye,
+    SweepRow, Target, Terms, Unknown,
 };
 pub use temporal::{FrameSource, PlaceSource, TemporalQuality, TemporalRing, TemporalStudy};
 pub use tracks::Tracks;

@@ -3,11 +3,15 @@
 mod display;
 mod row;
 mod shard;
+mod solve;
+mod spread;
 mod terms;
 
 pub use display::{DensityAt, Resolution, SweepDisplay, SweepEye};
 pub use row::{COLUMNS as SWEEP_COLUMNS, Drawn, SweepRow};
 pub use shard::Shard;
+pub use solve::{Outcome, Solution, Solve, Target, Unknown};
+pub use spread::{SavingsSpread, SavingsSpreadRow};
 pub use terms::{Buffers, Fits, Link, Needs, Terms};
 
 use std::sync::Arc;
@@ -133,6 +137,20 @@ impl Sweep {
     /// If there is no such group.
     pub fn rows(&self, group: usize) -> Result<Vec<SweepRow>, ModelError> {
         self.situation(group).rows(&self.methods, self.gaze_mode)
+    }
+
+    /// A sweep of one group.
+    fn one(&self, group: usize) -> Self {
+        let situation = self.situation(group);
+        Self {
+            displays: vec![situation.display.clone()],
+            acuities: vec![situation.acuity],
+            gazes: vec![situation.gaze],
+            margins_deg: vec![situation.margin_deg],
+            gaze_mode: self.gaze_mode,
+            methods: self.methods.clone(),
+            terms: self.terms.clone(),
+        }
     }
 
     fn situation(&self, group: usize) -> Situation<'_> {

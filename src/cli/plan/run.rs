@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 
 use foveasim_reports::{Heatmap, Outputs, Table};
-use foveasim_study::{Shard, Sweep, SweepRow};
+use foveasim_study::{SavingsSpread, SavingsSpreadRow, Shard, Solve, Sweep, SweepRow};
 use rayon::prelude::*;
 
 use super::super::context::Format;
@@ -47,6 +47,15 @@ pub(super) fn sweep(args: &Args, ctx: &Context) -> Result<(), Failure> {
     let rows = sweep.run(|n| bar.inc(n))?;
     bar.finish_and_clear();
     let table = SweepRow::table(&rows);
+    let beyond = rows.iter().filter(|r| r.needs().beyond_fit.is_some());
+    let beyond = beyond.count();
+    if beyond > 0 {
+        ctx.note(&format!(
+            "frame_ms of {beyond} of {} rows is extrapolated: more, or less, work than cost profile {} rests on",
+            rows.len(),
+            sweep.terms.cost.name
+        ));
+    }
     if ctx.format == Format::Table {
         ctx.print_table(&pick(&table, &READABLE))?;
         ctx.note("All columns: --format csv");
@@ -140,6 +149,35 @@ fn in_parts(
         ));
     }
     Ok(writer.finish()?)
+}
+
+/// Inverse questions to the same forward model.
+pub(super) fn solve(args: &Args, ctx: &Context) -> Result<(), Failure> {
+    let sweep = args.sweep()?;
+    let (unknown, target) = (args.solve.as_deref(), args.target.as_deref());
+    let solve = Solve {
+        unknown: unknown.unwrap_or_default().parse()?,
+        target: target.unwrap_or_default().parse()?,
+        eye_deg_per_s: args.eye_speed,
+    };
+    let table = solve.table(&solve.run(&sweep)?);
+    ctx.deliver_table(&table, "solve.csv")
+}
+
+/// Percentiles of savings.
+pub(super) fn spread(args: &Args, ctx: &Context) -> Result<(), Failure> {
+    let sweep = args.sweep()?;
+    let spread = SavingsSpread {
+        tracker_sd_deg: args.tracker_sd_deg,
+        draws: args.draws,
+        seed: ctx.seed,
+    };
+    let rows = spread.run(&sweep)?;
+    ctx.deliver_table(&SavingsSpreadRow::table(&rows), "spread.csv")?;
+    if sweep.terms.cost.error.is_none() {
+        ctx.note("The cost profile states no error: `cost` does not spread.");
+    }
+    Ok(())
 }
 
 pub(super) fn merge(args: &MergeArgs, ctx: &Context) -> Result<(), Failure> {

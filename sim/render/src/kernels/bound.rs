@@ -92,6 +92,14 @@ impl Sixteen {
         extent: 0.0,
     };
 
+    /// The image positions that any block has: least and greatest along x and y \[px\]; an empty range if none is live.
+    pub(crate) fn image_bounds(&self) -> [[f32; 2]; 2] {
+        [0, 1].map(|k| {
+            let low = self.low[k].iter().fold(f32::MAX, |m, x| m.min(*x));
+            [low, self.high[k].iter().fold(f32::MIN, |m, x| m.max(*x))]
+        })
+    }
+
     /// Whether any block has a live sample.
     pub(crate) fn is_live(&self) -> bool {
         self.live != 0

@@ -38,7 +38,7 @@ pub(crate) enum Kept {
     Target(Target),
     /// It shows its back at all times, or has no area.
     BackFacing,
-    /// It is behind the near plane at all times, or is not finite.
+    /// It is behind the near plane at all times, where no sample looks, or is not finite.
     Outside,
 }
 
@@ -47,13 +47,15 @@ pub(crate) enum Kept {
 const MARGIN: f64 = 1.0 / 16.0;
 
 /// Bounds of what crosses the eye's plane: anywhere.
-const ANYWHERE: [[f32; 2]; 2] = [[f32::MIN, f32::MAX]; 2];
+pub(crate) const ANYWHERE: [[f32; 2]; 2] = [[f32::MIN, f32::MAX]; 2];
 
 impl Target {
-    /// Sets a triangle up that is not nearer than `near` at all times \[m\].
+    /// Sets a triangle up that is not nearer than `near` at all times \[m\], if it may be seen where samples look, within
+    /// `image` \[px\].
     pub(crate) fn new(
         t: &MovingTriangle,
         near: f64,
+        image: &[[f32; 2]; 2],
         both_faces: bool,
         [object, triangle]: [u32; 2],
     ) -> Kept {
@@ -62,6 +64,24 @@ impl Target {
         let most = points.iter().fold(f64::NEG_INFINITY, |m, p| m.max(p.z));
         let least = points.iter().fold(f64::INFINITY, |m, p| m.min(p.z));
         if !points.iter().all(|p| p.is_finite()) || most < near {
+            return Kept::Outside;
+        }
+        let in_front = least > 0.0;
+        let mut bounds = ANYWHERE;
+        if in_front {
+            for (axis, bounds) in bounds.iter_mut().enumerate() {
+                let places = points.iter().map(|p| p[axis] / p.z);
+                let (low, high) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| {
+                    (l.min(x), h.max(x))
+                });
+                *bounds = [(low - MARGIN) as f32, (high + MARGIN) as f32];
+            }
+        }
+        let beside = |axis: usize| {
+            let ([low, high], [first, last]) = (bounds[axis], image[axis]);
+            low > last || high < first
+        };
+        if beside(0) || beside(1) {
             return Kept::Outside;
         }
         let facing = match both_faces {
@@ -74,17 +94,6 @@ impl Target {
         let volume = *forms.volume_coefficients();
         if !both_faces && is_never_negative(volume) {
             return Kept::BackFacing;
-        }
-        let in_front = least > 0.0;
-        let mut bounds = ANYWHERE;
-        if in_front {
-            for (axis, bounds) in bounds.iter_mut().enumerate() {
-                let places = points.iter().map(|p| p[axis] / p.z);
-                let (low, high) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| {
-                    (l.min(x), h.max(x))
-                });
-                *bounds = [(low - MARGIN) as f32, (high + MARGIN) as f32];
-            }
         }
         let depth_range = match in_front {
             true => [

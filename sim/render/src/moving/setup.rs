@@ -54,7 +54,8 @@ pub(crate) fn set_up_moving(pass: &MovingSetUp<'_>, objects: &[u32]) -> (MovingT
     let count = (across * size.y.div_ceil(TILE)) as usize;
     let tiles = pass.tiles(across, count);
     let outlined = pass.options.bound.filter(|bound| bound.is_outlined());
-    let image = image_bounds(&tiles);
+    let groups: Vec<_> = tiles.iter().map(Sixteen::image_bounds).collect();
+    let image = around(&groups);
     let sampling = outlined.map(|bound| {
         let sampling = Sampling {
             scan: pass.placement.warp().and_then(|w| w.scan),
@@ -69,6 +70,7 @@ pub(crate) fn set_up_moving(pass: &MovingSetUp<'_>, objects: &[u32]) -> (MovingT
                 pass,
                 sampling,
                 tiles: &tiles,
+                groups: &groups,
                 image,
                 across,
                 count,
@@ -128,12 +130,12 @@ impl MovingSetUp<'_> {
     }
 }
 
-/// Least and greatest image position along x and y of all samples \[px\]; an empty range if there are none.
-fn image_bounds(tiles: &[Sixteen]) -> [[f32; 2]; 2] {
+/// The bounds around others, least and greatest along x and y; an empty range if there are none.
+fn around(all: &[[[f32; 2]; 2]]) -> [[f32; 2]; 2] {
     let mut bounds = [[f32::MAX, f32::MIN]; 2];
-    for tiles in tiles {
-        for (bounds, [low, high]) in bounds.iter_mut().zip(tiles.image_bounds()) {
-            *bounds = [bounds[0].min(low), bounds[1].max(high)];
+    for one in all {
+        for (bounds, [low, high]) in bounds.iter_mut().zip(one) {
+            *bounds = [bounds[0].min(*low), bounds[1].max(*high)];
         }
     }
     bounds
@@ -198,6 +200,8 @@ struct SetUpJob<'a> {
     pass: &'a MovingSetUp<'a>,
     sampling: Option<(Bound, Sampling)>,
     tiles: &'a [Sixteen],
+    /// Where any sample of sixteen tiles looks.
+    groups: &'a [[[f32; 2]; 2]],
     /// Where any sample looks.
     image: [[f32; 2]; 2],
     across: u32,
@@ -247,8 +251,10 @@ impl SetUpJob<'_> {
         let (place, before) = (self.targets.len() as u32, self.pairs.len());
         match &self.sampling {
             None => {
+                let [x, y] = target.bounds;
                 for (group, tiles) in self.tiles.iter().enumerate() {
-                    if tiles.meets(simd, &target) == 0 {
+                    let [[left, right], [up, down]] = self.groups[group];
+                    if left > x[1] || right < x[0] || up > y[1] || down < y[0] {
                         continue;
                     }
                     let mut met = tiles.may_cover(simd, &target);

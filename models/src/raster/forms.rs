@@ -68,12 +68,9 @@ impl<T: Real> Forms<T> {
             plane: [[T::zero(); 3]; 3],
             facing,
         };
-        for i in 0..3 {
-            for p in 0..3 {
-                for c in 0..3 {
-                    forms.edges[i][p][c] = T::nearest(numbers[i][p][c] * edge_scale);
-                }
-            }
+        let all = forms.edges.as_flattened_mut().as_flattened_mut();
+        for (out, x) in all.iter_mut().zip(numbers.as_flattened().as_flattened()) {
+            *out = T::nearest(*x * edge_scale);
         }
         for (p, plane) in forms.plane.iter_mut().enumerate() {
             for (c, out) in plane.iter_mut().enumerate() {

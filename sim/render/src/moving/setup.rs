@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3, UVec2};
 use rayon::prelude::*;
 
 use super::bins::TileBins;
-use super::{Kept, Outlines, Target};
+use super::{Dropped, Outlines, Target};
 use crate::kernels::lanes::Simd;
 use crate::kernels::{FindBlocks, Kernel, Sixteen, TileBlocks, dispatch};
 use crate::live::{Live, grid};
@@ -235,10 +235,10 @@ impl Kernel for &mut SetUpJob<'_> {
             for index in range {
                 let moving = corners.triangle(triangles[index]);
                 let names = [object, index as u32];
-                match Target::new(&moving, options.near_m, &self.image, both_faces, names) {
-                    Kept::Outside => self.work.triangles_outside += 1,
-                    Kept::BackFacing => self.work.triangles_back_facing += 1,
-                    Kept::Target(target) => self.keep(simd, target, &moving),
+                match Target::set_up(&moving, options.near_m, &self.image, both_faces, names) {
+                    Err(Dropped::Outside) => self.work.triangles_outside += 1,
+                    Err(Dropped::BackFacing) => self.work.triangles_back_facing += 1,
+                    Ok(target) => self.keep(simd, target, &moving),
                 }
             }
         }

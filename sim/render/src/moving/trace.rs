@@ -4,7 +4,7 @@ use glam::{DVec3, UVec2};
 use rayon::prelude::*;
 
 use super::setup::Corners;
-use super::{ANYWHERE, Kept, MovingSetUp, Target, px};
+use super::{ANYWHERE, MovingSetUp, Target, px};
 use crate::bvh::{Aabb, Bvh};
 use crate::live::{Live, grid};
 use crate::pass::check_position;
@@ -100,9 +100,7 @@ fn targets(pass: &MovingSetUp<'_>, objects: &[u32]) -> Vec<Target> {
             let moving = corners.triangle(*names);
             let named = [object, index as u32];
             let near = pass.options.near_m;
-            if let Kept::Target(t) = Target::new(&moving, near, &ANYWHERE, both_faces, named) {
-                targets.push(t);
-            }
+            targets.extend(Target::set_up(&moving, near, &ANYWHERE, both_faces, named));
         }
     }
     targets

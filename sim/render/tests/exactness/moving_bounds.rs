@@ -12,6 +12,7 @@ use crate::{STUDY, options, plan};
 /// No covered sample is left out, hidden ones included: triangle by triangle what is found without any bound. A million with
 /// `FOVEASIM_THOROUGH=1`.
 #[test]
+#[expect(clippy::print_stderr, reason = "it says what it counted")]
 fn the_bound_misses_nothing() {
     let thorough = std::env::var_os("FOVEASIM_THOROUGH").is_some();
     let (scenes, count) = if thorough { (2000, 500) } else { (8, 300) };
@@ -45,6 +46,7 @@ fn the_bound_misses_nothing() {
 
 /// Published bounds find no more than ours does; how much they miss, and what each tests.
 #[test]
+#[expect(clippy::print_stderr, reason = "it says what it counted")]
 fn published_bounds_miss_and_ours_does_not() {
     let still = view(120, 68, study_camera(0.3, 1));
     let view = turning(still, 5.0, DVec3::new(0.02, 0.0, 0.05));

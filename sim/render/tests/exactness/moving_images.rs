@@ -89,6 +89,7 @@ fn hit(corners: [DVec3; 3], direction: DVec2) -> Option<(f64, f64)> {
 
 /// An independent tracer in double precision, one that knows nothing of forms and planes, differs only beside edges.
 #[test]
+#[expect(clippy::print_stderr, reason = "it says what it counted")]
 fn an_independent_tracer_differs_only_beside_edges() {
     let (mut beside, mut samples) = (0, 0);
     for seed in 0..3 {

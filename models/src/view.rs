@@ -222,6 +222,25 @@ impl View {
         Self { lens, ..self }
     }
 
+    /// The part of it that is `part` pixels large from pixel `first` on, with `n` pixels along each side of one of
+    /// its own: the same light at the same places and times.
+    #[must_use]
+    pub fn part(&self, first: UVec2, part: UVec2, n: u32) -> Self {
+        let corner = |px: UVec2| self.optics.direction(px.as_dvec2());
+        let (upper_left, lower_right) = (corner(first), corner(first + part));
+        let whole = self.optics.size.as_dvec2();
+        let (from, size) = (first.as_dvec2(), part.as_dvec2());
+        Self {
+            optics: Viewport {
+                size: part * n,
+                tan: [upper_left.x, lower_right.x, upper_left.y, lower_right.y],
+            },
+            scan: self.scan.map(|scan| scan.of_part(from, size, whole)),
+            lens: self.lens.map(|lens| lens.of_part(from, n.into())),
+            ..*self
+        }
+    }
+
     /// Whether the view stays where it is while it is scanned.
     pub fn is_still(&self) -> bool {
         self.poses[0] == self.poses[1]

@@ -124,6 +124,7 @@ impl DrawingArgs {
             msaa: self.msaa,
             temporal: self.temporal(),
             reference_samples: self.supersample,
+            lens: None,
         }
     }
 

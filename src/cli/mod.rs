@@ -14,6 +14,7 @@ mod presets;
 mod render;
 mod replay;
 mod reproduce;
+mod rolling;
 mod run;
 mod scene;
 mod trace;

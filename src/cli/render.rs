@@ -9,6 +9,7 @@ use foveasim_reports::{ERROR_FULL_SCALE, error_map, png};
 use foveasim_study::FrameStudy;
 
 use super::drawing::DrawingArgs;
+use super::rolling::RollingArgs;
 use super::scene::SceneArgs;
 use super::{Context, Failure, options};
 
@@ -27,6 +28,8 @@ use super::{Context, Failure, options};
   foveasim render --msaa 4 --frames 16 --staggered --supersample 8 --size 960x540 --out frames
   foveasim render --display quest-pro --stereo --method efr:2:3 --gaze-distance 2 --out frames
   foveasim render --method kfr:2:1 --passes --out frames
+  foveasim render --method radial:2:scale=0.7 --rolling --head-velocity 200,0 --out frames
+  foveasim render --method radial:2 --rolling --head-trace recording.csv --at 2.5 --lens 0.22,0.12 --out frames
   foveasim render --scene head.nii.gz --size 1024x1024 --fov 40 --out frames
   foveasim render --scene volume:shells:128 --orbit 60,10 --transfer bone.toml --out frames
   foveasim render --fov 70 --size 1920x1080 --slope guenter-b --margin-deg 2 --out frames")]
@@ -76,6 +79,8 @@ pub(crate) struct Args {
     #[arg(long)]
     passes: bool,
     #[command(flatten)]
+    rolling: RollingArgs,
+    #[command(flatten)]
     drawing: DrawingArgs,
     #[command(flatten)]
     volume: volume::VolumeArgs,
@@ -94,15 +99,18 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
     let viewport = request.viewport;
     args.drawing.check()?;
     let period_s = display.scan.rate.period().as_secs();
+    let rolling = args.rolling.scan(&display)?;
+    let scan_s = rolling.as_ref().map_or(0.0, |rolling| rolling.seconds);
     let stage = args
         .scene
-        .stage(&viewport, args.drawing.frames, period_s, ctx)?;
+        .stage(&viewport, args.drawing.frames, [period_s, scan_s], ctx)?;
     // Fails now, not after the work, if there is nowhere to write.
     let mut outputs = ctx.outputs("out")?;
 
     let mut drawing = args.drawing.drawing(stage.near_m);
     drawing.options.keep_passes = args.passes;
-    let mut sights = stage.sights();
+    args.rolling.apply(&mut drawing, display.primary().lens);
+    let mut sights = stage.sights(|later| rolling.as_ref().map(|r| r.motion(later)));
     let study = FrameStudy {
         sight: sights.pop().expect("at least one frame is drawn"),
         before: sights,

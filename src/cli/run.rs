@@ -68,6 +68,9 @@ pub(crate) struct Args {
     /// Moments of the recording to render [default: 3]
     #[arg(long, value_name = "N")]
     images: Option<u32>,
+    /// Pictures show what a rolling display does while the head moves: each row as seen when it lights
+    #[arg(long)]
+    rolling: bool,
     /// Fields of view of the savings map [deg] [default: 40..120:10]
     #[arg(long, value_name = "LIST")]
     fov: Option<String>,
@@ -163,6 +166,7 @@ impl Args {
         set(&mut spec.cost, &self.cost);
         set(&mut spec.runs, &self.runs);
         set(&mut spec.images, &self.images);
+        spec.rolling |= self.rolling;
         set(&mut spec.fov, &self.fov);
         set(&mut spec.ppd_centre, &self.ppd_centre);
         set(&mut spec.seed, &ctx.seed_flag);

@@ -9,7 +9,7 @@ use foveasim_assets::{
 use foveasim_models::{Pose, Viewport, unknown_name};
 use glam::DAffine3;
 
-use foveasim_study::Sight;
+use foveasim_study::{ScanMotion, Sight};
 
 use super::{Context, Failure, options};
 
@@ -60,6 +60,8 @@ pub(crate) struct Stage {
     scenes: Vec<Scene>,
     /// The eye in each frame.
     world_from_eye: Vec<Pose>,
+    /// The eye a scan later, by the scene's own camera.
+    a_scan_later: Vec<Pose>,
     /// Number of the first frame.
     pub(crate) first_frame: u64,
     /// Nothing nearer than this is drawn \[m\].
@@ -78,39 +80,42 @@ const GENERATED: &str = "volume:";
 const MOST_PLACEMENTS: usize = 1 << 20;
 
 impl Stage {
-    /// The frames, oldest first.
-    pub(crate) fn sights(&self) -> Vec<Sight<'_>> {
+    /// The frames, oldest first; `scan` says how each is scanned, of its eye a scan later.
+    pub(crate) fn sights(&self, scan: impl Fn(Pose) -> Option<ScanMotion>) -> Vec<Sight<'_>> {
         let scenes = self.scenes.iter().cycle();
-        let sight = |(scene, &world_from_eye)| Sight {
+        let eyes = self.world_from_eye.iter().zip(&self.a_scan_later);
+        let sight = |(scene, (&world_from_eye, &later))| Sight {
             scene,
             world_from_eye,
+            scan: scan(later),
         };
-        scenes.zip(&self.world_from_eye).map(sight).collect()
+        scenes.zip(eyes).map(sight).collect()
     }
 }
 
 impl SceneArgs {
     /// Builds or loads the scene as it is in so many consecutive frames (one or more), `period_s`
-    /// apart \[s\]; `optics` are what its camera must fit it into.
+    /// apart \[s\], and what moves moves on for `scan_s` \[s\] in each; `optics` are what its camera must fit it into.
     pub(crate) fn stage(
         &self,
         optics: &Viewport,
         frames: u32,
-        period_s: f64,
+        [period_s, scan_s]: [f64; 2],
         ctx: &Context,
     ) -> Result<Stage, Failure> {
         if self.scene == "study" {
-            return self.study(frames, ctx);
+            return self.study(frames, scan_s / period_s, ctx);
         }
         let path = Path::new(&self.scene);
         // A name without an extension that is no file was meant as a scene's.
         if !path.exists() && path.extension().is_none() {
             return Err(unknown_name("scene", &self.scene, &["study"]).into());
         }
-        self.file(path, optics, frames, period_s, ctx)
+        self.file(path, optics, frames, [period_s, scan_s], ctx)
     }
 
-    fn study(&self, frames: u32, ctx: &Context) -> Result<Stage, Failure> {
+    /// In each frame the camera flies on for `scan` of the way to the next.
+    fn study(&self, frames: u32, scan: f64, ctx: &Context) -> Result<Stage, Failure> {
         let of_files = [
             ("--time", self.time.is_some()),
             ("--texture", self.texture.is_some()),
@@ -136,13 +141,18 @@ impl SceneArgs {
             );
             return Err(Failure::bad_input(text));
         };
-        let eye = |frame: u32| {
-            let along = f64::from(frame) / f64::from(STUDY_FRAMES);
+        let eye = |frame: f64| {
+            let along = frame / f64::from(STUDY_FRAMES);
             self.eye(study_camera(along, ctx.seed), None)
+        };
+        let eyes = |later: f64| {
+            let each = (first..=last).map(|frame| eye(f64::from(frame) + later));
+            each.collect::<Result<Vec<_>, _>>()
         };
         Ok(Stage {
             scenes: vec![study_scene(ctx.seed)],
-            world_from_eye: (first..=last).map(eye).collect::<Result<_, _>>()?,
+            world_from_eye: eyes(0.0)?,
+            a_scan_later: eyes(scan)?,
             first_frame: first.into(),
             near_m: STUDY_NEAR_M,
         })
@@ -153,7 +163,7 @@ impl SceneArgs {
         path: &Path,
         optics: &Viewport,
         frames: u32,
-        period_s: f64,
+        [period_s, scan_s]: [f64; 2],
         ctx: &Context,
     ) -> Result<Stage, Failure> {
         if self.frame.is_some() {
@@ -179,7 +189,7 @@ impl SceneArgs {
         for warning in &loaded.warnings {
             ctx.warn(warning);
         }
-        let scenes = in_frames(&loaded.scene, seconds, frames, period_s)?;
+        let scenes = in_frames(&loaded.scene, seconds, frames, [period_s, scan_s])?;
         let last = &scenes[scenes.len() - 1];
         let bounds = last.bounds().unwrap_or_default();
         let middle = (bounds[0] + bounds[1]) / 2.0;
@@ -188,6 +198,7 @@ impl SceneArgs {
         Ok(Stage {
             scenes,
             world_from_eye: vec![eye; frames as usize],
+            a_scan_later: vec![eye; frames as usize],
             first_frame: 0,
             near_m: (NEAR_SHARE * size).clamp(1e-4, STUDY_NEAR_M),
         })
@@ -251,7 +262,7 @@ fn in_frames(
     scene: &Scene,
     seconds: f64,
     frames: u32,
-    period_s: f64,
+    [period_s, scan_s]: [f64; 2],
 ) -> Result<Vec<Scene>, Failure> {
     if scene.motions().is_empty() {
         return Ok(vec![scene.at(seconds)]);
@@ -263,6 +274,12 @@ fn in_frames(
             "--frames {frames}: at most {most} of a scene that moves and has {instances} instances"
         )));
     }
-    let at = |before: u32| scene.at((seconds - f64::from(before) * period_s).max(0.0));
+    let at = |before: u32| {
+        let start = (seconds - f64::from(before) * period_s).max(0.0);
+        match scan_s > 0.0 {
+            true => scene.over([start, start + scan_s]),
+            false => scene.at(start),
+        }
+    };
     Ok((0..frames).rev().map(at).collect())
 }

@@ -342,3 +342,36 @@ fn masks() {
     let stein = ["reproduce", "stein2021", "--gazes", "3"];
     refused(&s, &stein, &["stein2021 has no volumes"]);
 }
+
+#[test]
+fn scans_and_lenses() {
+    let s = Scratch::new();
+    let render = |more: &[&str], parts: &[&str]| {
+        let words = [&["render", "--size", "96x54", "--out", "r"], more].concat();
+        refused(&s, &words, parts);
+    };
+    render(&["--method", "radial:0.5"], &["exponent of radial"]);
+    render(
+        &["--rolling", "--scan-ms", "-1"],
+        &["--scan-ms = -1", "0 to 10000"],
+    );
+    render(
+        &["--rolling", "--head-velocity", "1e9,0"],
+        &["--head-velocity", "within ±10000"],
+    );
+    render(&["--lens", "1"], &["--lens", "K1,K2"]);
+    render(
+        &["--method", "full", "--lens", "-3,0"],
+        &["lens coefficients", "grows"],
+    );
+    render(&["--method", "vrs", "--rolling"], &["shaded by itself"]);
+    render(
+        &["--method", "full", "--msaa", "4", "--rolling"],
+        &["one position of visibility"],
+    );
+    render(&["--bound", "boxx"], &["did you mean `box`"]);
+    render(
+        &["--rolling", "--head-trace", "nowhere.csv", "--at", "1"],
+        &["nowhere.csv"],
+    );
+}

@@ -230,3 +230,48 @@ fn both_eyes_and_what_they_share() {
     s.ok(&again.split(' ').collect::<Vec<_>>());
     assert!(pixels(&s, "f/left.png") == left && pixels(&s, "f/right.png") == right);
 }
+
+#[test]
+fn rolling_and_lens_change_the_picture() {
+    let s = Scratch::new();
+    let picture = |flags: &[&str]| {
+        let (ssim, _) = render(&s, &[&["--method", "radial:2"], flags].concat());
+        (pixels(&s, "r/frame.png"), ssim)
+    };
+    let (still, ssim) = picture(&[]);
+    assert!(ssim > 0.8, "{ssim}");
+    // The camera flies on, by little; the head turns by degrees.
+    let (flown, _) = picture(&["--rolling"]);
+    let (turned, ssim) = picture(&["--rolling", "--head-velocity", "500,0"]);
+    assert!(still != flown && flown != turned);
+    // Its reference rolls, too.
+    assert!(ssim > 0.8, "{ssim}");
+    let (seen, _) = picture(&["--lens", "0.2,0.1"]);
+    let (coloured, _) = picture(&["--lens", "0.2,0.1,0.99,1,1.01"]);
+    assert!(still != seen && seen != coloured);
+    // Nothing magnified, nothing moved.
+    let (one, _) = render(&s, &["--method", "radial:1"]);
+    assert_eq!(one, 1.0);
+    for bound in ["box", "simple", "adaptive", "conservative"] {
+        let (_, [work, _]) = render(&s, &["--method", "full", "--rolling", "--bound", bound]);
+        assert!(number(&work, "samples_covered") > 0.0);
+    }
+}
+
+#[test]
+fn a_recorded_head_rolls_the_picture() {
+    let s = Scratch::new();
+    s.ok(&["trace", "synth", "--duration", "2s", "--to", "t.csv"]);
+    let picture = |at: &str| {
+        let flags = ["--method", "full", "--rolling", "--scan-ms", "50"];
+        render(
+            &s,
+            &[&flags[..], &["--head-trace", "t.csv", "--at", at]].concat(),
+        );
+        pixels(&s, "r/frame.png")
+    };
+    assert!(picture("0.3") != picture("1.1"), "the head moves otherwise");
+    let words = "render --size 96x54 --rolling --head-trace t.csv --at 99 --out r";
+    let ran = s.run(&words.split(' ').collect::<Vec<_>>());
+    assert!(ran.code == 2 && ran.err.contains("--at 99"), "{}", ran.err);
+}

@@ -126,6 +126,25 @@ impl Lens {
         Ok(lens)
     }
 
+    /// Over the part of the image that begins at pixel `first`, at `n` pixels for each of the whole's.
+    #[must_use]
+    pub fn of_part(&self, first: DVec2, n: f64) -> Self {
+        Self {
+            centre_px: (self.centre_px - first) * n,
+            unit_px: self.unit_px * n,
+            ..*self
+        }
+    }
+
+    /// The same lens for light of one colour.
+    #[must_use]
+    pub fn without_colours(self) -> Self {
+        Self {
+            chromatic: [1.0; 3],
+            ..self
+        }
+    }
+
     /// Where its axis meets the image \[px\].
     pub fn centre_px(&self) -> DVec2 {
         self.centre_px

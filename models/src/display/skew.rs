@@ -32,6 +32,16 @@ impl ScanSkew {
         })
     }
 
+    /// Of the part of an image of `size` pixels that is `part` pixels large from `first` on: the same times at the
+    /// same places.
+    #[must_use]
+    pub fn of_part(&self, first: DVec2, part: DVec2, size: DVec2) -> Self {
+        Self {
+            start: self.time(first, size),
+            direction: self.direction * part / size,
+        }
+    }
+
     /// The time of position 0, 0.
     pub fn start(&self) -> f64 {
         self.start
@@ -99,6 +109,19 @@ mod tests {
                 let off = time * rate.period().0 as f64 - wanted;
                 assert!((-1.0..=2.0).contains(&off), "{direction:?} {row}: {off}");
             }
+        }
+    }
+
+    #[test]
+    fn parts_light_with_the_whole() {
+        let size = DVec2::new(640.0, 480.0);
+        let whole = ScanSkew::new(DVec2::new(-0.2, 0.7)).unwrap();
+        let (first, part) = (DVec2::new(100.0, 40.0), DVec2::new(64.0, 32.0));
+        let cut = whole.of_part(first, part, size);
+        // At three samples to the pixel.
+        for px in [DVec2::ZERO, DVec2::new(33.0, 7.0), part] {
+            let (a, b) = (whole.time(first + px, size), cut.time(px * 3.0, part * 3.0));
+            assert!((a - b).abs() < 1e-12, "{a} {b}");
         }
     }
 

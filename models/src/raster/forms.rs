@@ -53,16 +53,35 @@ impl<T: Real> Forms<T> {
             p.dot(n2) + p_dot.dot(n1),
             p_dot.dot(n2),
         ];
-        let plane = [0, 1, 2].map(|p| edges[0][p] + edges[1][p] + edges[2][p]);
-        let edges = edges.map(|edge| edge.map(|n| n.to_array()));
-        let edge_scale = scale(edges.as_flattened().as_flattened())?;
+        // Plain loops: of millions of triangles a frame sets up, calls would show.
+        let mut numbers = [[[0.0; 3]; 3]; 3];
+        for (numbers, edge) in numbers.iter_mut().zip(&edges) {
+            for (numbers, n) in numbers.iter_mut().zip(edge) {
+                *numbers = n.to_array();
+            }
+        }
+        let edge_scale = scale(numbers.as_flattened().as_flattened())?;
         let volume_scale = scale(&volume)?;
-        Some(Self {
-            edges: edges.map(|edge| edge.map(|n| n.map(|x| T::nearest(x * edge_scale)))),
-            volume: volume.map(|x| T::nearest(x * volume_scale)),
-            plane: plane.map(|n| n.to_array().map(|x| T::nearest(x * volume_scale))),
+        let mut forms = Self {
+            edges: [[[T::zero(); 3]; 3]; 3],
+            volume: [T::zero(); 4],
+            plane: [[T::zero(); 3]; 3],
             facing,
-        })
+        };
+        let all = forms.edges.as_flattened_mut().as_flattened_mut();
+        for (out, x) in all.iter_mut().zip(numbers.as_flattened().as_flattened()) {
+            *out = T::nearest(*x * edge_scale);
+        }
+        for (p, plane) in forms.plane.iter_mut().enumerate() {
+            for (c, out) in plane.iter_mut().enumerate() {
+                let sum = numbers[0][p][c] + numbers[1][p][c] + numbers[2][p][c];
+                *out = T::nearest(sum * volume_scale);
+            }
+        }
+        for (out, d) in forms.volume.iter_mut().zip(volume) {
+            *out = T::nearest(d * volume_scale);
+        }
+        Some(forms)
     }
 
     /// Which sides can be seen.
@@ -124,15 +143,16 @@ fn edge([a, a_dot]: [DVec3; 2], [b, b_dot]: [DVec3; 2]) -> [DVec3; 3] {
 
 /// The power of two that brings the largest size between ½ and 1.
 fn scale(values: &[f64]) -> Option<f64> {
-    let largest = values.iter().fold(0.0, |m: f64, v| m.max(v.abs()));
-    // Also not finite where a part is: max passes NaN over, so ask all.
-    let finite = values.iter().all(|v| v.is_finite());
-    if !finite || largest == 0.0 {
-        return None;
+    let mut largest = 0u64;
+    for value in values {
+        // Sizes are ordered as their bits are; what is not finite comes last.
+        let size = value.to_bits() & (u64::MAX >> 1);
+        largest = if size > largest { size } else { largest };
     }
-    let (_, exponent) = libm::frexp(largest);
-    // Farther off than this, the scale itself would not be a normal number.
-    (exponent.abs() <= 1000).then(|| libm::ldexp(1.0, -exponent))
+    // largest = m·2ᵉ with m from ½ to 1.
+    let exponent = (largest >> 52) as i64 - 1022;
+    // Farther off than this, the scale itself would not be a normal number; nor are 0 and what is not finite.
+    (exponent.abs() <= 1000).then(|| f64::from_bits(((1023 - exponent) as u64) << 52))
 }
 
 #[cfg(test)]

@@ -1,4 +1,4 @@
-use foveasim_models::{EyePanel, Nanos, PixelResponse, Pose, ScanClock, View};
+use foveasim_models::{Emission, EyePanel, Nanos, PixelResponse, Pose, ScanClock, View};
 
 use crate::{PoseStamp, Rendered, Warp};
 
@@ -80,6 +80,34 @@ impl Displayed {
     pub fn lit(&self, row: u32) -> Nanos {
         let offset = self.clock.row_offset(row);
         self.vblank + self.buffered + self.clock.lit_after_blank(&self.response, offset)
+    }
+
+    /// What a renderer needs to draw, for `panel`, each row as the world is seen when that row gives light: a view
+    /// from the head's first to its last pose of the scan, where `head` says where it is, or is predicted to be, at a time. `None` where it
+    /// does not know. A display that lights globally shows one moment: its view is still.
+    pub fn rolling_view(
+        &self,
+        panel: &EyePanel,
+        head: impl Fn(Nanos) -> Option<Pose>,
+    ) -> Option<View> {
+        let [first, last] = self.lit_span();
+        let eye = |t: Nanos| Some(head(t)?.then(panel.head_from_eye));
+        let view = match self.response.emission {
+            Emission::Rolling => View::rolling(
+                panel.eye,
+                panel.viewport,
+                [eye(first)?, eye(last)?],
+                self.clock.picture_skew(),
+            ),
+            Emission::Global => View::still(panel.eye, panel.viewport, eye(first)?),
+        };
+        Some(view.seen_through(panel.lens()))
+    }
+
+    /// When the row boundary scanned first, and the one scanned last, give the light that counts.
+    pub fn lit_span(&self) -> [Nanos; 2] {
+        let edges = [self.lit(0), self.lit(self.clock.rows)];
+        [edges[0].min(edges[1]), edges[0].max(edges[1])]
     }
 
     /// What a renderer needs to draw the image that `panel` shows at boundary `row`: a still view

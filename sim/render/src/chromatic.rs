@@ -8,7 +8,9 @@ use rayon::prelude::*;
 ///
 /// How far from the axis that is depends on the pixel's own distance alone. It is tabulated in steps of an eighth of a pixel or less;
 /// straight lines between are off by less than 10⁻⁴ pixels.
-pub(crate) fn separate(image: Image, lens: &Lens) -> Image {
+///
+/// [`render`](crate::render) does so by itself, of the whole image.
+pub fn separate_colours(image: Image, lens: &Lens) -> Image {
     if lens.chromatic() == [1.0; 3] {
         return image;
     }
@@ -104,7 +106,7 @@ mod tests {
                 image.rgb[(y * size.x + x) as usize] = [value; 3];
             }
         }
-        let out = separate(image.clone(), &lens);
+        let out = separate_colours(image.clone(), &lens);
         for y in (10..110).step_by(9) {
             for x in (10..150).step_by(7) {
                 let px = DVec2::new(f64::from(x), f64::from(y)) + 0.5;

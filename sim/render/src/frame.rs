@@ -3,7 +3,7 @@ use foveasim_models::{Image, Lattice, Pass, Resolve, SamplePlan, Shading, View, 
 use glam::UVec2;
 
 use crate::check::{check, check_plan};
-use crate::chromatic::separate;
+use crate::chromatic::separate_colours;
 use crate::pass::PassMemory;
 use crate::passes::draw_passes;
 use crate::{RenderError, RenderOptions, resolve};
@@ -134,7 +134,7 @@ pub(crate) fn put_together(
 ) -> Frame {
     let (image, passes, resolve_work) = resolve::resolve(view, plan, passes, options, spare);
     let image = match &view.lens {
-        Some(lens) => separate(image, lens),
+        Some(lens) => separate_colours(image, lens),
         None => image,
     };
     let mut work = resolve_work;

@@ -18,6 +18,8 @@
 //! * Samples outside a pass's [`Region`] are neither tested nor shaded.
 //! * A [`Map`] may put samples anywhere on the display: their positions are rounded to the grid that vertices are
 //!   snapped to, and coverage is as exact as elsewhere.
+//! * A [`View`] may be scanned while eye, instances and vertices move, and be seen through a lens: each sample then looks at
+//!   its own place and time, and triangles move ([`Bound`] says which samples are tested against them).
 //! * [`render_stereo`] draws both eyes of a head, and does once what is the same for both.
 //! * A [`Sequence`] draws frame after frame: samples move within their cells, are blended with what was
 //!   seen of the same surface before, and passes are drawn in the frames of their cadence.
@@ -30,7 +32,7 @@
 //!
 //! # Simplifications
 //!
-//! * Still views only.
+//! * While a display is scanned, vertices move on straight lines.
 //! * Passes whose samples do not lie evenly have no history in a [`Sequence`].
 //! * [`render`] draws every pass afresh, whatever its cadence; a [`Sequence`] knows what the frames before
 //!   have drawn.
@@ -39,6 +41,7 @@
 //! * Motion is that of cameras and rigid instances. What a material shows is taken not to move on it, so
 //!   reflections are found again where the surface is, not where they are.
 //!
+//! [`View`]: foveasim_models::View
 //! [`Work`]: foveasim_models::Work
 //! [`Msaa`]: foveasim_models::Msaa
 //! [`Shading::Coarse`]: foveasim_models::Shading::Coarse
@@ -75,6 +78,7 @@ mod tile;
 mod trace;
 mod visible;
 
+pub use chromatic::separate_colours;
 pub use error::RenderError;
 pub use frame::{Frame, assemble, render, render_into};
 pub use moving::{Bound, BoundCounts, TriangleCount, bound_counts, sample_looks};

@@ -417,8 +417,8 @@ impl<'a> Drawing<'a> {
         if moving.targets.is_empty() {
             return;
         }
-        let published = self.options.bound.and_then(|bound| bound.published());
-        if published.is_none() {
+        let outlined = self.options.bound.is_some_and(|bound| bound.is_outlined());
+        if !outlined {
             find_blocks(placed, valid, &mut moving.blocks, self.options.simd);
         }
         if let Some(counts) = &mut moving.counts {
@@ -428,7 +428,7 @@ impl<'a> Drawing<'a> {
             placed,
             blocks: &moving.blocks,
             triangles: &moving.targets,
-            outlines: published.map(|_| &moving.outlines),
+            outlines: outlined.then_some(&moving.outlines),
             objects: &self.geometry.objects,
             nearest: source.nearest,
             skip_occluded: self.options.skip.occluded,

@@ -1,11 +1,12 @@
 use foveasim_assets::Scene;
 use foveasim_models::foveation::{Method, Request};
-use foveasim_models::{GazeDirection, ModelError, Msaa, Pose, SamplePlan, View, Work};
+use foveasim_models::{GazeDirection, LensSpec, ModelError, Msaa, Pose, SamplePlan, View, Work};
 use foveasim_quality::{Measures, QualityError, RingQuality, Rings, compare};
 use foveasim_render::{Frame, RenderError, RenderOptions, Sequence, TemporalOptions, render};
 use foveasim_reports::{Cell, Table};
 use thiserror::Error;
 
+use crate::ScanMotion;
 use crate::supersample::supersampled_frame;
 
 /// One view of a scene, drawn by any number of methods and compared with full resolution.
@@ -34,6 +35,8 @@ pub struct Sight<'a> {
     pub scene: &'a Scene,
     /// From where.
     pub world_from_eye: Pose,
+    /// How the display is scanned meanwhile, if it rolls: then `world_from_eye` is where the scan begins.
+    pub scan: Option<ScanMotion>,
 }
 
 /// How the frames of a [`FrameStudy`] are drawn.
@@ -49,6 +52,8 @@ pub struct Drawing {
     /// Samples along each side of a pixel of the reference (see [`supersampled`](crate::supersampled));
     /// with 1 it is drawn as the methods are, at full resolution.
     pub reference_samples: u32,
+    /// The lens through which the display is seen.
+    pub lens: Option<LensSpec>,
 }
 
 impl Default for Drawing {
@@ -59,6 +64,7 @@ impl Default for Drawing {
             msaa: Msaa::One,
             temporal: TemporalOptions::OFF,
             reference_samples: 1,
+            lens: None,
         }
     }
 }
@@ -129,7 +135,7 @@ impl FrameStudy<'_> {
             let mut sequence = Sequence::new(self.drawing.temporal);
             let mut number = self.first_frame;
             let mut draw = |sight: &Sight<'_>| -> Result<Frame, E> {
-                let (view, options) = (self.view(sight), &self.drawing.options);
+                let (view, options) = (self.view(sight)?, &self.drawing.options);
                 let frame = sequence.draw(sight.scene, &view, &plan, number, options);
                 let frame = frame.map_err(FrameError::from)?;
                 show(method, number, &frame)?;
@@ -145,12 +151,14 @@ impl FrameStudy<'_> {
         Ok(FrameOutcome { reference, shots })
     }
 
-    fn view(&self, sight: &Sight<'_>) -> View {
-        View::still(
-            self.request.eye,
-            self.request.viewport,
-            sight.world_from_eye,
-        )
+    fn view(&self, sight: &Sight<'_>) -> Result<View, FrameError> {
+        let (eye, optics) = (self.request.eye, self.request.viewport);
+        let lens = self.drawing.lens.map(|lens| lens.over(optics.size));
+        let view = match sight.scan {
+            None => View::still(eye, optics, sight.world_from_eye),
+            Some(scan) => View::rolling(eye, optics, [sight.world_from_eye, scan.end], scan.skew),
+        };
+        Ok(view.seen_through(lens.transpose()?))
     }
 
     fn reference(&self) -> Result<Frame, FrameError> {
@@ -160,7 +168,7 @@ impl FrameStudy<'_> {
             reference_samples,
             ..
         } = &self.drawing;
-        let (scene, view) = (self.sight.scene, self.view(&self.sight));
+        let (scene, view) = (self.sight.scene, self.view(&self.sight)?);
         Ok(match reference_samples {
             1 => {
                 let plan = SamplePlan::full(self.request.eye, self.request.viewport.size);

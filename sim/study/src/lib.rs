@@ -29,6 +29,7 @@ mod recording;
 mod replay;
 mod reproduce;
 mod run;
+mod scan_motion;
 mod scanlines;
 mod scenario;
 mod spacing;
@@ -74,6 +75,7 @@ pub use run::{
     MARGIN_TOLERANCE_DEG, MOMENT_PICTURES, MarginLoop, MarginStep, MethodSaving, Moment, PlanCost,
     Run, RunError, Savings, close_margin, run,
 };
+pub use scan_motion::{ScanMotion, head_after};
 pub use scanlines::{ImageKind, ScanlineErrors, ScanlineStudy, Scanlines};
 pub use scenario::{
     GazeSource, MapGrid, RenderTime, Scenario, ScenarioError, ScenarioSpec, cost, display,

@@ -66,6 +66,9 @@ pub struct ScenarioSpec {
     pub runs: u64,
     /// How many moments of the recording are rendered.
     pub images: u32,
+    /// Whether pictures show what a rolling display does while the head moves: each row as seen when it lights.
+    #[serde(skip_serializing_if = "is_off")]
+    pub rolling: bool,
     /// Horizontal fields of view of the savings map \[deg\]: `from..to:step`, or a comma list.
     #[serde(deserialize_with = "text_or_number")]
     pub fov: String,
@@ -99,6 +102,11 @@ fn text_or_number<'de, D: Deserializer<'de>>(deserializer: D) -> Result<String, 
     })
 }
 
+/// What is off is not written, so that scenarios look as they did before there was such a switch.
+fn is_off(switch: &bool) -> bool {
+    !switch
+}
+
 impl Default for ScenarioSpec {
     fn default() -> Self {
         Self {
@@ -123,6 +131,7 @@ impl Default for ScenarioSpec {
             cost: "guenter2012".into(),
             runs: 100_000,
             images: 3,
+            rolling: false,
             fov: "40..120:10".into(),
             ppd_centre: "10..60:10".into(),
             seed: 1,

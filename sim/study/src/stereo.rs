@@ -43,8 +43,18 @@ impl StereoStudy<'_> {
         let head = self.sight.world_from_eye;
         let views = [0, 1].map(|eye| self.panels[eye].view(head));
         // The image planes asked for: a panel's own, or of another size.
+        let lens = |eye: usize| -> Result<_, FrameError> {
+            let lens = self.drawing.lens.map(|lens| match eye {
+                0 => lens,
+                _ => lens.mirrored(),
+            });
+            let size = self.requests[eye].viewport.size;
+            Ok(lens.map(|lens| lens.over(size)).transpose()?)
+        };
+        let lenses = [lens(0)?, lens(1)?];
         let views = [0, 1].map(|eye| foveasim_models::View {
             optics: self.requests[eye].viewport,
+            lens: lenses[eye],
             ..views[eye]
         });
         let frame = render_stereo(
@@ -64,7 +74,13 @@ impl StereoStudy<'_> {
                 first_frame: 0,
                 gaze: self.requests[eye].gaze,
                 request: self.requests[eye].clone(),
-                drawing: self.drawing,
+                drawing: Drawing {
+                    lens: match eye {
+                        0 => self.drawing.lens,
+                        _ => self.drawing.lens.map(|lens| lens.mirrored()),
+                    },
+                    ..self.drawing
+                },
             };
             let mut outcome = study.run(&[])?;
             let drawn = &frame.eyes[eye];

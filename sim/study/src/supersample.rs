@@ -1,6 +1,6 @@
 use foveasim_assets::Scene;
-use foveasim_models::{Image, SamplePlan, View, Viewport, Work};
-use foveasim_render::{Frame, RenderError, RenderOptions, render};
+use foveasim_models::{Image, Lens, SamplePlan, View, Work};
+use foveasim_render::{Frame, RenderError, RenderOptions, render, separate_colours};
 use glam::UVec2;
 
 /// The most samples along each side of a pixel.
@@ -62,10 +62,9 @@ pub(crate) fn supersampled_frame(
         for x in (0..size.x).step_by(width as usize) {
             let first = UVec2::new(x, y);
             let part = UVec2::new(width, height).min(size - first);
-            let fine = View {
-                optics: cut(&view.optics, first, part, n),
-                ..*view
-            };
+            let fine = view.part(first, part, n);
+            // Moved apart when all is there: a strip's neighbours are other strips.
+            let fine = fine.seen_through(fine.lens.map(Lens::without_colours));
             let plan = SamplePlan::full(view.eye, part * n);
             let strip = render(scene, &fine, &plan, &options)?;
             let samples = strip.image;
@@ -78,22 +77,16 @@ pub(crate) fn supersampled_frame(
             }
         }
     }
+    let image = match &view.lens {
+        Some(lens) => separate_colours(image, lens),
+        None => image,
+    };
     Ok(Frame {
         image,
         work,
         pass_work: Vec::new(),
         passes: Vec::new(),
     })
-}
-
-/// The part of an image plane from pixel `first` on, `n` times as fine.
-fn cut(whole: &Viewport, first: UVec2, part: UVec2, n: u32) -> Viewport {
-    let corner = |px: UVec2| whole.direction(px.as_dvec2());
-    let (upper_left, lower_right) = (corner(first), corner(first + part));
-    Viewport {
-        size: part * n,
-        tan: [upper_left.x, lower_right.x, upper_left.y, lower_right.y],
-    }
 }
 
 /// The mean of `n` × `n` samples from `first` on, row by row.
@@ -112,7 +105,7 @@ fn mean(samples: &Image, first: UVec2, n: u32) -> [f32; 3] {
 #[cfg(test)]
 mod tests {
     use foveasim_assets::{Instance, Material, Mesh, Similarity, Sky, Sun, Vertex, study_scene};
-    use foveasim_models::{Eye, Pose};
+    use foveasim_models::{Eye, Pose, Viewport};
     use glam::{DQuat, DVec3};
 
     use super::*;
@@ -193,10 +186,7 @@ mod tests {
             poses: [pose; 2],
             ..view(UVec2::new(2100, 4))
         };
-        let left = View {
-            optics: cut(&wide.optics, UVec2::ZERO, UVec2::new(60, 4), 1),
-            ..wide
-        };
+        let left = wide.part(UVec2::ZERO, UVec2::new(60, 4), 1);
         let options = RenderOptions::default();
         let all = supersampled(&scene, &wide, 9, &options).unwrap();
         let some = supersampled(&scene, &left, 9, &options).unwrap();

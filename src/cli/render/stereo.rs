@@ -23,13 +23,19 @@ pub(super) fn run(args: &Args, display: &Display, ctx: &Context) -> Result<(), F
     let requests = requests(args, display, &panels)?;
     args.drawing.check()?;
     let period_s = display.scan.rate.period().as_secs();
-    let stage = args.scene.stage(&requests[0].viewport, 1, period_s, ctx)?;
+    let stage = args
+        .scene
+        .stage(&requests[0].viewport, 1, [period_s, 0.0], ctx)?;
     // Fails now, not after the work, if there is nowhere to write.
     let mut outputs = ctx.outputs("out")?;
     let mut drawing = args.drawing.drawing(stage.near_m);
     drawing.options.keep_passes = args.passes;
+    args.rolling.apply(&mut drawing, panels[0].lens);
     let study = StereoStudy {
-        sight: stage.sights().pop().expect("at least one frame is drawn"),
+        sight: stage
+            .sights(|_| None)
+            .pop()
+            .expect("at least one frame is drawn"),
         panels,
         requests,
         drawing,

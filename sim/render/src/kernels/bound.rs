@@ -92,6 +92,14 @@ impl Sixteen {
         extent: 0.0,
     };
 
+    /// The image positions that any block has: least and greatest along x and y \[px\]; an empty range if none is live.
+    pub(crate) fn image_bounds(&self) -> [[f32; 2]; 2] {
+        [0, 1].map(|k| {
+            let low = self.low[k].iter().fold(f32::MAX, |m, x| m.min(*x));
+            [low, self.high[k].iter().fold(f32::MIN, |m, x| m.max(*x))]
+        })
+    }
+
     /// Whether any block has a live sample.
     pub(crate) fn is_live(&self) -> bool {
         self.live != 0
@@ -119,6 +127,10 @@ impl Sixteen {
 
     /// Fills a lane from what is known of its samples: slopes, the range of what the planes leave, and the range of
     /// the numbers themselves.
+    #[expect(
+        clippy::needless_range_loop,
+        reason = "lanes lie side by side in many arrays"
+    )]
     #[inline(always)]
     fn fill(
         &mut self,
@@ -221,6 +233,10 @@ impl Kernel for FindBlocks<'_> {
     type Output = ();
 
     /// Plain loops, which the compiler gives the instructions of the level.
+    #[expect(
+        clippy::needless_range_loop,
+        reason = "lanes lie side by side in many arrays"
+    )]
     #[inline(always)]
     fn run<S: Simd>(self, _: S) {
         let out = self.out;
@@ -324,8 +340,9 @@ impl Sixteen {
             #[inline(always)]
             || self.meets(simd, t),
         ) & self.live;
-        if met == 0 {
-            return 0;
+        // To ask the bound of one block costs as much as to go on into it.
+        if met & met.wrapping_sub(1) == 0 {
+            return met;
         }
         let volume = piece(
             simd,
@@ -344,8 +361,8 @@ impl Sixteen {
             );
             let zero = splat(simd, 0.0);
             // Only what a range shows leaves a side out; one with NaN shows nothing.
-            sides.front = sides.front & !low.simd_gt(zero);
-            sides.back = sides.back & !high.simd_lt(zero);
+            sides.front &= !low.simd_gt(zero);
+            sides.back &= !high.simd_lt(zero);
             if met & (sides.front | sides.back).to_bitmask() as LaneSet == 0 {
                 return 0;
             }
@@ -439,7 +456,7 @@ impl Sixteen {
             let three = d3 + d3 + d3;
             let first = (t * three + d2 + d2) * t + d1;
             let second = t * three + d2;
-            off = off + dt * (first.abs() + dt * (second.abs() + dt * d3.abs()));
+            off += dt * (first.abs() + dt * (second.abs() + dt * d3.abs()));
         }
         Sides {
             front: !(centre - off).simd_ge(zero),

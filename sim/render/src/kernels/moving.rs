@@ -315,8 +315,8 @@ impl<S: Simd> Looks<S> {
             false => M::from_bitmask(simd, 0),
         };
         for e in e {
-            front = front & e.simd_le(zero);
-            back = back & e.simd_ge(zero);
+            front &= e.simd_le(zero);
+            back &= e.simd_ge(zero);
         }
         let seen = within & (front | back);
         if seen.to_bitmask() == 0 {

@@ -18,14 +18,22 @@ pub enum Bound {
     Simple,
     /// Those with a sample in the polygon displaced from the lines between bent edges' ends (§4.2).
     Adaptive,
+    /// All there are: what the others are held against.
+    Everything,
 }
 
 impl Bound {
     /// All of them.
-    pub const ALL: [Self; 4] = [Self::Box, Self::Simple, Self::Adaptive, Self::Conservative];
+    pub const ALL: [Self; 5] = [
+        Self::Box,
+        Self::Simple,
+        Self::Adaptive,
+        Self::Conservative,
+        Self::Everything,
+    ];
 
     /// Their names, as users write them, in the order of [`Bound::ALL`].
-    pub const NAMES: [&str; 4] = ["box", "simple", "adaptive", "conservative"];
+    pub const NAMES: [&str; 5] = ["box", "simple", "adaptive", "conservative", "everything"];
 
     /// Its name.
     pub fn name(self) -> &'static str {
@@ -34,16 +42,24 @@ impl Bound {
             Self::Simple => "simple",
             Self::Adaptive => "adaptive",
             Self::Conservative => "conservative",
+            Self::Everything => "everything",
         }
     }
 
-    pub(crate) fn published(self) -> Option<PublishedBound> {
-        match self {
-            Self::Conservative => None,
-            Self::Box => Some(PublishedBound::Box),
-            Self::Simple => Some(PublishedBound::Simple),
-            Self::Adaptive => Some(PublishedBound::Adaptive),
-        }
+    /// Whether it leaves a part of the lattice for each triangle, instead of asking blocks.
+    pub(crate) fn is_outlined(self) -> bool {
+        self != Self::Conservative
+    }
+
+    /// What it leaves of the lattice for a triangle.
+    pub(crate) fn outline(self, t: &MovingTriangle, sampling: &Sampling) -> Outline {
+        let published = match self {
+            Self::Conservative | Self::Everything => return Outline::Everything,
+            Self::Box => PublishedBound::Box,
+            Self::Simple => PublishedBound::Simple,
+            Self::Adaptive => PublishedBound::Adaptive,
+        };
+        published.outline(t, sampling)
     }
 }
 
@@ -111,9 +127,4 @@ impl Outlines {
         }
         self.first.push(self.blocks.len() as u32);
     }
-}
-
-/// What a published bound leaves of the lattice for a triangle.
-pub(crate) fn outline(bound: PublishedBound, t: &MovingTriangle, sampling: &Sampling) -> Outline {
-    bound.outline(t, sampling)
 }

@@ -8,9 +8,7 @@ use glam::{DVec2, DVec3, UVec2};
 use rayon::prelude::*;
 
 use super::bins::TileBins;
-use super::bound::outline;
-use super::{Kept, Outlines, Target};
-use crate::RenderOptions;
+use super::{Dropped, Outlines, Target};
 use crate::kernels::lanes::Simd;
 use crate::kernels::{FindBlocks, Kernel, Sixteen, TileBlocks, dispatch};
 use crate::live::{Live, grid};
@@ -18,6 +16,7 @@ use crate::placed::PlacedTile;
 use crate::placement::Placement;
 use crate::raster::{EyeVertex, Object, SetUpTriangle, ViewGeometry, segments};
 use crate::tile::{LaneSet, SampleTile, TILE, TileBuffers};
+use crate::{Bound, RenderOptions};
 
 /// All moving triangles of a pass that may be visible, in jobs.
 #[derive(Debug)]
@@ -54,8 +53,10 @@ pub(crate) fn set_up_moving(pass: &MovingSetUp<'_>, objects: &[u32]) -> (MovingT
     let across = size.x.div_ceil(TILE);
     let count = (across * size.y.div_ceil(TILE)) as usize;
     let tiles = pass.tiles(across, count);
-    let published = pass.options.bound.and_then(|bound| bound.published());
-    let sampling = published.map(|bound| {
+    let outlined = pass.options.bound.filter(|bound| bound.is_outlined());
+    let groups: Vec<_> = tiles.iter().map(Sixteen::image_bounds).collect();
+    let image = around(&groups);
+    let sampling = outlined.map(|bound| {
         let sampling = Sampling {
             scan: pass.placement.warp().and_then(|w| w.scan),
             ..pass.view.sampling(pass.pass.map)
@@ -69,6 +70,8 @@ pub(crate) fn set_up_moving(pass: &MovingSetUp<'_>, objects: &[u32]) -> (MovingT
                 pass,
                 sampling,
                 tiles: &tiles,
+                groups: &groups,
+                image,
                 across,
                 count,
                 segments: segments.into_iter().map(|s| (s.object, s.range)).collect(),
@@ -127,6 +130,17 @@ impl MovingSetUp<'_> {
     }
 }
 
+/// The bounds around others, least and greatest along x and y; an empty range if there are none.
+fn around(all: &[[[f32; 2]; 2]]) -> [[f32; 2]; 2] {
+    let mut bounds = [[f32::MAX, f32::MIN]; 2];
+    for one in all {
+        for (bounds, [low, high]) in bounds.iter_mut().zip(one) {
+            *bounds = [bounds[0].min(*low), bounds[1].max(*high)];
+        }
+    }
+    bounds
+}
+
 /// Finds the blocks of a tile that was placed.
 pub(crate) fn find_blocks(
     placed: &PlacedTile,
@@ -168,12 +182,13 @@ impl MovingTriangles {
         }
         named.clear();
         named.extend(targets.iter().map(|t| SetUpTriangle {
-            corners: [[0; 2]; 3],
+            // Only names are read.
+            corners: [[0, 0], [0, 256], [256, 0]],
             depth: [0.0; 3],
             depth_range: [0.0; 2],
             bounds: [[0; 2]; 2],
-            is_small: false,
-            is_whole: false,
+            is_small: true,
+            is_whole: true,
             object: t.object,
             triangle: t.triangle,
         }));
@@ -183,8 +198,12 @@ impl MovingTriangles {
 /// Sets up the triangles of one job and finds the tiles that they may meet.
 struct SetUpJob<'a> {
     pass: &'a MovingSetUp<'a>,
-    sampling: Option<(foveasim_models::raster::PublishedBound, Sampling)>,
+    sampling: Option<(Bound, Sampling)>,
     tiles: &'a [Sixteen],
+    /// Where any sample of sixteen tiles looks.
+    groups: &'a [[[f32; 2]; 2]],
+    /// Where any sample looks.
+    image: [[f32; 2]; 2],
     across: u32,
     count: usize,
     segments: Vec<(u32, Range<usize>)>,
@@ -216,10 +235,10 @@ impl Kernel for &mut SetUpJob<'_> {
             for index in range {
                 let moving = corners.triangle(triangles[index]);
                 let names = [object, index as u32];
-                match Target::new(&moving, options.near_m, both_faces, names) {
-                    Kept::Outside => self.work.triangles_outside += 1,
-                    Kept::BackFacing => self.work.triangles_back_facing += 1,
-                    Kept::Target(target) => self.keep(simd, target, &moving),
+                match Target::set_up(&moving, options.near_m, &self.image, both_faces, names) {
+                    Err(Dropped::Outside) => self.work.triangles_outside += 1,
+                    Err(Dropped::BackFacing) => self.work.triangles_back_facing += 1,
+                    Ok(target) => self.keep(simd, target, &moving),
                 }
             }
         }
@@ -232,8 +251,10 @@ impl SetUpJob<'_> {
         let (place, before) = (self.targets.len() as u32, self.pairs.len());
         match &self.sampling {
             None => {
+                let [x, y] = target.bounds;
                 for (group, tiles) in self.tiles.iter().enumerate() {
-                    if tiles.meets(simd, &target) == 0 {
+                    let [[left, right], [up, down]] = self.groups[group];
+                    if left > x[1] || right < x[0] || up > y[1] || down < y[0] {
                         continue;
                     }
                     let mut met = tiles.may_cover(simd, &target);
@@ -245,7 +266,7 @@ impl SetUpJob<'_> {
                 }
             }
             Some((bound, sampling)) => {
-                let outline = outline(*bound, moving, sampling);
+                let outline = bound.outline(moving, sampling);
                 self.tiles_of(&outline, place);
                 if self.pairs.len() > before {
                     self.outlines.push(outline);

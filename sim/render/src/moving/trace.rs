@@ -4,7 +4,7 @@ use glam::{DVec3, UVec2};
 use rayon::prelude::*;
 
 use super::setup::Corners;
-use super::{Kept, MovingSetUp, Target, px};
+use super::{ANYWHERE, MovingSetUp, Target, px};
 use crate::bvh::{Aabb, Bvh};
 use crate::live::{Live, grid};
 use crate::pass::check_position;
@@ -99,9 +99,8 @@ fn targets(pass: &MovingSetUp<'_>, objects: &[u32]) -> Vec<Target> {
         for (index, names) in mesh.triangles().iter().enumerate() {
             let moving = corners.triangle(*names);
             let named = [object, index as u32];
-            if let Kept::Target(t) = Target::new(&moving, pass.options.near_m, both_faces, named) {
-                targets.push(t);
-            }
+            let near = pass.options.near_m;
+            targets.extend(Target::set_up(&moving, near, &ANYWHERE, both_faces, named));
         }
     }
     targets

@@ -31,14 +31,12 @@ pub(crate) struct Target {
     pub(crate) triangle: u32,
 }
 
-/// What is left of a triangle when it is set up.
-#[derive(Debug, Clone, Copy)]
-pub(crate) enum Kept {
-    /// It may cover samples.
-    Target(Target),
+/// Why a triangle is not drawn at all.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(crate) enum Dropped {
     /// It shows its back at all times, or has no area.
     BackFacing,
-    /// It is behind the near plane at all times, or is not finite.
+    /// It is behind the near plane at all times, where no sample looks, or is not finite.
     Outside,
 }
 
@@ -47,33 +45,24 @@ pub(crate) enum Kept {
 const MARGIN: f64 = 1.0 / 16.0;
 
 /// Bounds of what crosses the eye's plane: anywhere.
-const ANYWHERE: [[f32; 2]; 2] = [[f32::MIN, f32::MAX]; 2];
+pub(crate) const ANYWHERE: [[f32; 2]; 2] = [[f32::MIN, f32::MAX]; 2];
 
 impl Target {
-    /// Sets a triangle up that is not nearer than `near` at all times \[m\].
-    pub(crate) fn new(
+    /// Sets a triangle up that is not nearer than `near` at all times \[m\], if it may be seen where samples look, within
+    /// `image` \[px\].
+    pub(crate) fn set_up(
         t: &MovingTriangle,
         near: f64,
+        image: &[[f32; 2]; 2],
         both_faces: bool,
         [object, triangle]: [u32; 2],
-    ) -> Kept {
+    ) -> Result<Self, Dropped> {
         let points = t.0.map(|p| [p.start, p.end]);
         let points: &[DVec3] = points.as_flattened();
         let most = points.iter().fold(f64::NEG_INFINITY, |m, p| m.max(p.z));
         let least = points.iter().fold(f64::INFINITY, |m, p| m.min(p.z));
         if !points.iter().all(|p| p.is_finite()) || most < near {
-            return Kept::Outside;
-        }
-        let facing = match both_faces {
-            true => Facing::Both,
-            false => Facing::Front,
-        };
-        let Some(forms) = Forms::<f32>::new(t, facing) else {
-            return Kept::BackFacing;
-        };
-        let volume = *forms.volume_coefficients();
-        if !both_faces && is_never_negative(volume) {
-            return Kept::BackFacing;
+            return Err(Dropped::Outside);
         }
         let in_front = least > 0.0;
         let mut bounds = ANYWHERE;
@@ -85,6 +74,24 @@ impl Target {
                 });
                 *bounds = [(low - MARGIN) as f32, (high + MARGIN) as f32];
             }
+        }
+        let beside = |axis: usize| {
+            let ([low, high], [first, last]) = (bounds[axis], image[axis]);
+            low > last || high < first
+        };
+        if beside(0) || beside(1) {
+            return Err(Dropped::Outside);
+        }
+        let facing = match both_faces {
+            true => Facing::Both,
+            false => Facing::Front,
+        };
+        let Some(forms) = Forms::<f32>::new(t, facing) else {
+            return Err(Dropped::BackFacing);
+        };
+        let volume = *forms.volume_coefficients();
+        if !both_faces && is_never_negative(volume) {
+            return Err(Dropped::BackFacing);
         }
         let depth_range = match in_front {
             true => [
@@ -98,7 +105,7 @@ impl Target {
             let [a, b, d]: [[f32; 3]; 3] = edges[i];
             a[c].abs() + b[c].abs() + d[c].abs()
         };
-        Kept::Target(Self {
+        Ok(Self {
             sizes: [0, 1, 2].map(|i| [0, 1, 2].map(|c| size(i, c))),
             moves: t.0.iter().any(|p| p.start != p.end),
             edges,

@@ -6,6 +6,8 @@ mod common;
 mod covered;
 mod methods;
 mod moving;
+mod moving_bounds;
+mod moving_images;
 mod oracle;
 mod traced;
 mod triangle;

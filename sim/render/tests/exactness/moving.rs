@@ -1,11 +1,9 @@
-//! Rolling, foveated, seen through a lens, and all of it at once: the rasterizer against rays, a tracer in double
-//! precision, still images, and itself with other threads and instructions.
+//! Rolling, foveated, seen through a lens, and all of it at once: the rasterizer against rays, and against itself with other threads
+//! and instructions.
 
 use foveasim_assets::{Key, Motion, Repeat, Scene, SceneParts, Similarity, Track, study_camera};
 use foveasim_models::{Lens, Pose, Role, SamplePlan, ScanSkew, Stream, View, Visibility};
-use foveasim_render::{
-    Bound, RenderOptions, Simd, Skip, bound_counts, render, sample_looks, trace, visibility,
-};
+use foveasim_render::{Bound, RenderOptions, Simd, Skip, render, trace, visibility};
 use glam::{DQuat, DVec2, DVec3, UVec2};
 
 use crate::common::{soup, unlit, view};
@@ -20,14 +18,14 @@ const METHODS: [&str; 5] = [
     "lms:0.6:0.4",
 ];
 
-fn lens(size: UVec2) -> Lens {
+pub(crate) fn lens(size: UVec2) -> Lens {
     let centre = DVec2::new(0.47, 0.52) * size.as_dvec2();
     let unit = f64::from(size.x) / 2.0;
     Lens::new(centre, unit, [0.22, 0.12], [1.0; 3], size).unwrap()
 }
 
 /// From `pose` on, turning by so many degrees about the vertical and moving a little.
-fn turning(view: View, degrees: f64, moved: DVec3) -> View {
+pub(crate) fn turning(view: View, degrees: f64, moved: DVec3) -> View {
     let start = view.poses[0];
     let turn = DQuat::from_rotation_y(degrees.to_radians());
     let end = Pose::new(
@@ -56,7 +54,7 @@ fn agree(scene: &Scene, view: &View, plan: &SamplePlan, options: &RenderOptions)
 }
 
 /// Loose triangles whose corners each go somewhere else.
-fn scattering(seed: u64, count: usize, reach: f64) -> Scene {
+pub(crate) fn scattering(seed: u64, count: usize, reach: f64) -> Scene {
     let still = loose_triangles(seed, count);
     let mesh = still.meshes()[0].clone();
     let moving = mesh
@@ -260,184 +258,6 @@ fn what_does_not_magnify_or_move_costs_nothing() {
     let rolling = View::rolling(still.eye, still.optics, still.poses, scan);
     let c = render(&STUDY, &rolling, &one, &options()).unwrap();
     assert_eq!((bits(&c.image), c.work), (bits(&b.image), b.work));
-}
-
-/// While the eye only shifts, vertices move as straight as it does: each row is the row of a still view from where the eye is then,
-/// but for snapping and rounding.
-#[test]
-fn rows_are_those_of_still_views_at_their_time() {
-    let still = view(160, 90, study_camera(0.3, 1));
-    let moved = DVec3::new(0.3, 0.05, -0.2);
-    let end = Pose::new(still.poses[0].position + moved, still.poses[0].orientation);
-    let scan = ScanSkew::new(DVec2::Y).unwrap();
-    let rolling = View::rolling(still.eye, still.optics, [still.poses[0], end], scan);
-    // The finest meshes of both.
-    let options = RenderOptions {
-        lod: foveasim_assets::LodRule::Finest,
-        ..options()
-    };
-    let image = render(&STUDY, &rolling, &full(&still), &options)
-        .unwrap()
-        .image;
-    let (mut off, mut all) = (0, 0);
-    for y in (0..90).step_by(11) {
-        let t = (f64::from(y) + 0.5) / 90.0;
-        let pose = Pose::new(
-            still.poses[0].position + moved * t,
-            still.poses[0].orientation,
-        );
-        let then = View::still(still.eye, still.optics, pose);
-        let wanted = render(&STUDY, &then, &full(&still), &options)
-            .unwrap()
-            .image;
-        let row = (y * 160) as usize..(y * 160 + 160) as usize;
-        for (a, b) in image.rgb[row.clone()].iter().zip(&wanted.rgb[row]) {
-            let differs = (0..3).any(|k| (a[k] - b[k]).abs() > 0.01 + 0.02 * b[k]);
-            off += usize::from(differs);
-            all += 1;
-        }
-    }
-    assert!(off * 100 < all * 2, "{off} of {all}");
-}
-
-/// Seen by lens and magnification, a still scene is what snapped triangles show, but along edges.
-#[test]
-fn still_passes_are_alike_by_either_rasterizer() {
-    let still = view(160, 90, study_camera(0.3, 1));
-    let asked = RenderOptions {
-        bound: Some(Bound::Conservative),
-        ..options()
-    };
-    for method in ["full", "radial:2"] {
-        let plan = plan(method, &still);
-        let a = visibility(&STUDY, &still, &plan, 0, &options()).unwrap();
-        let b = visibility(&STUDY, &still, &plan, 0, &asked).unwrap();
-        let name = |s: &Option<foveasim_render::Surfel>| s.map(|s| (s.instance, s.triangle));
-        let differ = a.iter().zip(&b).filter(|(a, b)| name(a) != name(b)).count();
-        assert!(
-            differ * 100 < a.len() * 2,
-            "{method}: {differ} of {}",
-            a.len()
-        );
-        let images = [options(), asked]
-            .map(|options| render(&STUDY, &still, &plan, &options).unwrap().image);
-        let far = images[0].rgb.iter().zip(&images[1].rgb);
-        let off = far
-            .filter(|(a, b)| (0..3).any(|k| (a[k] - b[k]).abs() > 0.01 + 0.03 * b[k]))
-            .count();
-        assert!(off * 100 < a.len() * 2, "{method}: {off} of {}", a.len());
-    }
-}
-
-/// A sample's hit of a triangle with `corners` in eye space (x, y, w), by solving for the point in double precision: its w, and
-/// the least barycentric weight.
-fn hit(corners: [DVec3; 3], direction: DVec2) -> Option<(f64, f64)> {
-    let [a, b, c] = corners;
-    let matrix = glam::DMat3::from_cols(a, b, c);
-    let weights = matrix.inverse() * direction.extend(1.0);
-    let sum = weights.element_sum();
-    let share = weights / sum;
-    (weights.is_finite() && sum > 0.0).then(|| (1.0 / sum, share.min_element()))
-}
-
-/// An independent tracer in double precision, one that knows nothing of forms and planes, differs only beside edges.
-#[test]
-fn an_independent_tracer_differs_only_beside_edges() {
-    let (mut beside, mut samples) = (0, 0);
-    for seed in 0..3 {
-        let scene = scattering(seed, 150, 0.3);
-        let still = view(64, 36, Pose::IDENTITY);
-        let rolling = turning(still, 5.0, DVec3::new(0.02, 0.01, 0.05));
-        let view = rolling.seen_through((seed > 0).then(|| lens(still.optics.size)));
-        let plan = plan("radial:2", &view);
-        let options = RenderOptions {
-            skip: Skip::NONE,
-            near_m: 0.05,
-            ..options()
-        };
-        let drawn = visibility(&scene, &view, &plan, 0, &options).unwrap();
-        let looks = sample_looks(&scene, &view, &plan, 0, &options).unwrap();
-        let mesh = &scene.meshes()[0];
-        let ends = mesh.end_positions().unwrap();
-        let eye = view.poses.map(|p| p.inverse());
-        let corner = |i: u32, t: f64| {
-            let start = eye[0].point(mesh.position(i));
-            let at = |k: usize| f64::from(ends[k][i as usize]);
-            let end = eye[1].point(DVec3::new(at(0), at(1), at(2)));
-            let p = start + (end - start) * t;
-            DVec3::new(p.x, p.y, -p.z)
-        };
-        for (sample, (found, looks)) in drawn.iter().zip(&looks).enumerate() {
-            let Some([u, v, t]) = looks.map(|l| l.map(f64::from)) else {
-                assert_eq!(*found, None);
-                continue;
-            };
-            samples += 1;
-            let ray = view.optics.direction(DVec2::new(u, v));
-            let direction = DVec2::new(ray.x, ray.y);
-            let mut nearest: Option<(f64, u32)> = None;
-            let mut close = false;
-            for (index, names) in mesh.triangles().iter().enumerate() {
-                let corners = names.map(|i| corner(i, t));
-                let Some((w, least)) = hit(corners, direction) else {
-                    continue;
-                };
-                // Weights of slivers are far apart where places are close.
-                let size = corners[0]
-                    .distance(corners[1])
-                    .min(corners[0].distance(corners[2]));
-                let slack = 1e-3_f64.max(1e-3 * w / size);
-                if w < options.near_m * (1.0 - 1e-5) {
-                    continue;
-                }
-                close |= least.abs() < slack || (w - options.near_m).abs() < 1e-4;
-                if least >= 0.0 && w >= options.near_m {
-                    if let Some((other, _)) = nearest {
-                        close |= (w - other).abs() < 1e-3 * w;
-                    }
-                    if nearest.is_none_or(|(other, _)| w < other) {
-                        nearest = Some((w, index as u32));
-                    }
-                }
-            }
-            let wanted = nearest.map(|n| n.1);
-            if found.map(|s| s.triangle) != wanted {
-                assert!(close, "sample {sample}: {found:?}, {nearest:?}");
-                beside += 1;
-            } else if let (Some(s), Some((w, _))) = (found, nearest) {
-                let off = (f64::from(s.depth_m) / w - 1.0).abs();
-                assert!(off < 2e-3 || close, "sample {sample}: {off}");
-            }
-        }
-    }
-    eprintln!("{beside} of {samples} samples differ, all beside an edge");
-    assert!(beside * 50 < samples, "{beside} of {samples}");
-}
-
-/// Published bounds find no more than ours does; how much they miss, and what each tests.
-#[test]
-fn published_bounds_miss_and_ours_does_not() {
-    let still = view(120, 68, study_camera(0.3, 1));
-    let view = turning(still, 5.0, DVec3::new(0.02, 0.0, 0.05));
-    let plan = plan("radial:2", &view);
-    let counts = Bound::ALL.map(|bound| {
-        let found = bound_counts(&STUDY, &view, &plan, 0, bound, &options()).unwrap();
-        let of_triangles: u64 = found.triangles.iter().map(|t| t.covered).sum();
-        assert_eq!(of_triangles, found.work.samples_covered);
-        let of_samples: u64 = found.covered.iter().map(|c| u64::from(*c)).sum();
-        assert_eq!(of_samples, found.work.samples_covered);
-        found
-    });
-    let [boxed, simple, adaptive, ours] = counts.map(|c| {
-        eprintln!(
-            "tested {} covered {} efficiency {:.3}",
-            c.work.samples_tested,
-            c.work.samples_covered,
-            c.efficiency()
-        );
-        c.work.samples_covered
-    });
-    assert!(boxed <= ours && simple < ours && adaptive <= ours);
 }
 
 #[test]

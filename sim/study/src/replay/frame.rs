@@ -69,6 +69,9 @@ pub struct ReplayFrame {
     /// The angle between where the head was and where the frame in the middle row took it to be, when
     /// that row gave light \[deg\]; `None` without head motion.
     pub head_error_deg: Option<f64>,
+    /// Where the head was when the first and when the last row scanned gave light, `world_from_head`; `None` without head motion, and on
+    /// displays that light all rows at once.
+    pub heads: Option<[Pose; 2]>,
 }
 
 /// Columns of the replay table.
@@ -109,6 +112,13 @@ impl ReplayFrame {
     /// The angle between the true gaze and the drawn fovea when the gaze row gave light \[deg\].
     pub fn gaze_error_deg(&self) -> Option<f64> {
         self.true_gaze.map(|truth| truth.angle_to_deg(self.fovea))
+    }
+
+    /// `world_from_head` as a rolling picture has it at the end of its scan: [`head`](Self::head), moved on as the head
+    /// moved while the frame was scanned.
+    pub fn head_at_end(&self) -> Pose {
+        let moved = self.heads.map(|[first, last]| first.inverse().then(last));
+        moved.map_or(self.head(), |moved| self.head().then(moved))
     }
 
     /// `world_from_head` as the picture has it (the origin without head motion).

@@ -1,7 +1,7 @@
 use std::ops::ControlFlow;
 
 use foveasim_models::{
-    Display, EyePanel, GazeDirection, GazeMode, Interpolate, Nanos, Pose, ScanClock,
+    Display, Emission, EyePanel, GazeDirection, GazeMode, Interpolate, Nanos, Pose, ScanClock,
 };
 use foveasim_pipeline::{Cursor, Displayed, Rendered, Setup, Shown, Sink, Stages};
 
@@ -115,6 +115,15 @@ impl<'a, F: FnMut(ReplayFrame)> Observer<'a, F> {
         Some(drawn.angle_to_deg(truth))
     }
 
+    fn heads(&mut self, scan: &Displayed) -> Option<[Pose; 2]> {
+        let [first, last] = scan.lit_span();
+        if scan.response.emission == Emission::Global {
+            return None;
+        }
+        let truth = self.pose.as_mut()?;
+        Some([truth.at(first)?, truth.at(last)?])
+    }
+
     fn look(&mut self, scan: &Displayed) -> Option<ReplayFrame> {
         let rows = scan.clock.rows;
         let middle = rows / 2;
@@ -146,6 +155,7 @@ impl<'a, F: FnMut(ReplayFrame)> Observer<'a, F> {
             state,
             true_gaze: self.gaze.as_mut().and_then(|g| g.at(lit)),
             head_error_deg: self.head_error_deg(scan, middle),
+            heads: self.heads(scan),
         })
     }
 }

@@ -11,7 +11,9 @@ use glam::{DQuat, DVec3};
 
 use super::RunError;
 use crate::frame::{QUALITY_COLUMNS, work_columns};
-use crate::{Drawing, FrameOutcome, FrameStudy, Replay, ReplayFrame, Scenario, Shot, Sight};
+use crate::{
+    Drawing, FrameOutcome, FrameStudy, Replay, ReplayFrame, ScanMotion, Scenario, Shot, Sight,
+};
 
 /// The pictures of a moment, as in their files' names: `moment-1-reference.png`.
 pub const MOMENT_PICTURES: [&str; 5] = ["reference", "frame", "layers", "error", "overview"];
@@ -108,13 +110,17 @@ fn moment(
     let gaze = frame.true_gaze.map(|g| panel.in_eye(g));
     // Recorded heads start anywhere: put the first one on the camera's way, upright in both worlds.
     let camera = upright(study_camera(CAMERA_AT, scenario.spec.seed));
-    let scene_from_head = camera
-        .then(upright(first_head).inverse())
-        .then(frame.head());
+    let scene_from_world = camera.then(upright(first_head).inverse());
+    let eye = |head: Pose| scene_from_world.then(head).then(panel.head_from_eye);
+    let rolling = scenario.spec.rolling && frame.heads.is_some();
     let study = FrameStudy {
         sight: Sight {
             scene,
-            world_from_eye: scene_from_head.then(panel.head_from_eye),
+            world_from_eye: eye(frame.head()),
+            scan: rolling.then(|| ScanMotion {
+                end: eye(frame.head_at_end()),
+                skew: scenario.display.scan.picture_skew(),
+            }),
         },
         before: Vec::new(),
         first_frame: 0,

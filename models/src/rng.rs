@@ -37,6 +37,8 @@ pub enum Role {
     Blink = 13,
     /// Transport of tracker samples.
     Transport = 14,
+    /// Extreme inputs of closed forms and kernels.
+    Stress = 16,
 }
 
 /// Random numbers of one (seed, role, index): the same on any machine and any number of threads.

@@ -14,6 +14,7 @@ mod replay;
 mod reproduce;
 mod run;
 mod scene;
+mod stress;
 mod trace;
 mod trace_events;
 mod trace_predict;
@@ -51,6 +52,7 @@ enum Command {
     Replay(Box<replay::Args>),
     Render(render::Args),
     Reproduce(reproduce::Args),
+    Stress(stress::Args),
     Trace(trace::Args),
     Presets(presets::Args),
     Init(init::Args),
@@ -69,6 +71,7 @@ pub fn main() -> ExitCode {
         Command::Replay(args) => replay::run(args, &ctx),
         Command::Render(args) => render::run(args, &ctx),
         Command::Reproduce(args) => reproduce::run(args, &ctx),
+        Command::Stress(args) => stress::run(args, &ctx),
         Command::Trace(args) => trace::run(args, &ctx),
         Command::Presets(args) => presets::run(args, &ctx),
         Command::Init(args) => init::run(args, &ctx),

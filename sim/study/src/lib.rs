@@ -11,6 +11,7 @@
 //! * [`StereoStudy`]: one frame of both eyes of a headset;
 //! * [`TemporalStudy`]: consecutive frames beside a [`supersampled`] reference: what flickers;
 //! * [`KernelTimes`], [`KernelErrors`]: what kernel foveated rendering pays in time and costs in error;
+//! * [`StressStudy`]: closed forms and kernels over extreme inputs;
 //! * [`Guenter2012`], [`Meng2020`]: a paper's tables and figures, ours beside theirs;
 //! * [`Scenario`] and [`run()`]: all of it, in one report.
 
@@ -29,6 +30,7 @@ mod scanlines;
 mod scenario;
 mod spacing;
 mod stereo;
+mod stress;
 mod supersample;
 mod sweep;
 mod temporal;
@@ -71,6 +73,7 @@ pub use scenario::{
 };
 pub use spacing::{CurvePoint, SpacingCurve, SpacingOutcome, SpacingRow, SpacingStudy};
 pub use stereo::{StereoOutcome, StereoStudy};
+pub use stress::{StressRow, StressStudy};
 pub use supersample::supersampled;
 pub use sweep::{
     Buffers, DensityAt, Drawn, Fits, GazeAt, Link, Needs, Resolution, SWEEP_COLUMNS, Shard, Sweep,

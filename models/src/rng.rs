@@ -39,6 +39,8 @@ pub enum Role {
     Transport = 14,
     /// Where sampling masks begin.
     Mask = 15,
+    /// Extreme inputs of closed forms and kernels.
+    Stress = 16,
 }
 
 /// Random numbers of one (seed, role, index): the same on any machine and any number of threads.

@@ -17,6 +17,7 @@ mod reproduce;
 mod rolling;
 mod run;
 mod scene;
+mod stress;
 mod trace;
 mod trace_events;
 mod trace_predict;
@@ -56,6 +57,7 @@ enum Command {
     Render(render::Args),
     Reproduce(reproduce::Args),
     Mask(mask::Args),
+    Stress(stress::Args),
     Trace(trace::Args),
     Presets(presets::Args),
     Init(init::Args),
@@ -76,6 +78,7 @@ pub fn main() -> ExitCode {
         Command::Render(args) => render::run(args, &ctx),
         Command::Reproduce(args) => reproduce::run(args, &ctx),
         Command::Mask(args) => mask::run(args, &ctx),
+        Command::Stress(args) => stress::run(args, &ctx),
         Command::Trace(args) => trace::run(args, &ctx),
         Command::Presets(args) => presets::run(args, &ctx),
         Command::Init(args) => init::run(args, &ctx),

@@ -13,6 +13,7 @@
 //! * [`TemporalStudy`]: consecutive frames beside a [`supersampled`] reference: what flickers;
 //! * [`MaskReport`]: what there is to say of a sampling mask;
 //! * [`KernelTimes`], [`KernelErrors`]: what kernel foveated rendering pays in time and costs in error;
+//! * [`StressStudy`]: closed forms and kernels over extreme inputs;
 //! * [`Guenter2012`], [`Meng2020`], [`Bruder2019`]: a paper's tables and figures, ours beside theirs;
 //! * [`Scenario`] and [`run()`]: all of it, in one report.
 
@@ -34,6 +35,7 @@ mod scanlines;
 mod scenario;
 mod spacing;
 mod stereo;
+mod stress;
 mod supersample;
 mod sweep;
 mod temporal;
@@ -83,6 +85,7 @@ pub use scenario::{
 };
 pub use spacing::{CurvePoint, SpacingCurve, SpacingOutcome, SpacingRow, SpacingStudy};
 pub use stereo::{StereoOutcome, StereoStudy};
+pub use stress::{StressRow, StressStudy};
 pub use supersample::supersampled;
 pub use sweep::{
     Buffers, DensityAt, Drawn, Fits, GazeAt, Link, Needs, Outcome, Resolution, SWEEP_COLUMNS,

@@ -170,7 +170,7 @@ fn rays_are_their_own() {
     let transfer = TransferFunction::of_volume(&volume);
     let caster = Caster::new(&volume, &transfer, &CastOptions::default()).unwrap();
     let ray = |i: usize| Ray {
-        px: DVec2::new((i * 37 % 43) as f64, (i * 11 % 33) as f64),
+        px: DVec2::new((i * 37 % 47) as f64, (i * 13 % 34) as f64),
         step: 1.0 + (i % 5) as f32 * 0.7,
     };
     let mut all = vec![[9.0; 4]; 1000];

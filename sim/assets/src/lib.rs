@@ -3,7 +3,7 @@
 //! A [`Scene`] is meshes, instances of them, materials, a sky and a sun. Everything in it has been
 //! checked when it is built, so that a renderer never meets an index out of range or a NaN vertex.
 //! [`study_scene`] generates the scene of Guenter et al. 2012, §5; [`study_camera`] flies through it
-//! and [`StudyGaze`] looks at what comes nearest. [`load_scene`] reads OBJ, glTF, GLB, PLY and STL files.
+//! and [`StudyGaze`] looks at what comes nearest; [`GeneratedScene`] names it and others. [`load_scene`] reads OBJ, glTF, GLB, PLY and STL files.
 //!
 //! # Simplifications
 //!
@@ -12,6 +12,7 @@
 mod atmosphere;
 mod camera;
 mod environment;
+mod generated;
 mod load;
 mod lod;
 mod material;
@@ -30,6 +31,7 @@ mod track;
 
 pub use camera::{framing, look_at};
 pub use environment::EnvironmentMap;
+pub use generated::GeneratedScene;
 pub use load::{
     Format, LoadError, LoadOptions, Loaded, NoSideFiles, SideFiles, Up, load_bytes, load_scene,
 };

@@ -4,7 +4,7 @@ use std::str::FromStr;
 use glam::{DVec2, DVec3, UVec2};
 
 use super::estimate::{Estimate, PassEstimate};
-use super::text::{number, settings};
+use super::text::{Setting, number, settings};
 use super::{Aim, Method, Request, Screen};
 use crate::error::in_range;
 use crate::{
@@ -16,6 +16,7 @@ use crate::{
 /// | setting | meaning |
 /// |---|---|
 /// | `A`, `B` | how much w grows over half the image's width, and half its height: w′ = w + A·\|x\| + B·\|y\| with x and y from the centre in halves of the image; 0 to 20 |
+/// | `filter=bilinear`, `nearest`, `cubic`, `gather` | between samples (see [`Interpolation`]) |
 /// | `tracked`, `fixed`, `fixed=DEG` | whether the centre follows the gaze (see [`Aim`]); as sold it is `fixed` |
 ///
 /// At the centre, a whole pixel's corner, samples are pixels. `lms:0:0` is full resolution. A and B say where
@@ -23,6 +24,8 @@ use crate::{
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LensMatchedSettings {
     growth: DVec2,
+    /// Between samples.
+    pub interpolation: Interpolation,
     aim: Aim,
 }
 
@@ -37,6 +40,7 @@ impl LensMatchedSettings {
         let (a, b) = (in_range("A", a, GROWTH)?, in_range("B", b, GROWTH)?);
         Ok(Self {
             growth: DVec2::new(a, b),
+            interpolation: Interpolation::Bilinear,
             aim: Aim::Tracked,
         })
     }
@@ -78,7 +82,7 @@ impl LensMatchedSettings {
             method: Method::Lms(*self).to_string(),
             passes: vec![pass],
             resolve: Resolve::Inverse(Filter {
-                interpolation: Interpolation::Bilinear,
+                interpolation: self.interpolation,
                 smooth_from: None,
                 mips: false,
             }),
@@ -135,7 +139,10 @@ impl FromStr for LensMatchedSettings {
         let b = number("B of lms", parts.next(), GROWTH, "lms:0.5:0.5")?;
         let mut read = Self::new(a, b)?;
         for setting in parts {
-            read.aim = setting.aim("setting of lms", &[])?;
+            match setting {
+                Setting("filter", Some(filter)) => read.interpolation = filter.parse()?,
+                other => read.aim = other.aim("setting of lms", &["filter="])?,
+            }
         }
         Ok(read)
     }
@@ -145,6 +152,9 @@ impl fmt::Display for LensMatchedSettings {
     /// What follows `lms`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, ":{}:{}", self.growth.x, self.growth.y)?;
+        if self.interpolation != Interpolation::default() {
+            write!(f, ":filter={}", self.interpolation.name())?;
+        }
         fmt::Display::fmt(&self.aim, f)
     }
 }

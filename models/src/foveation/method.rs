@@ -258,6 +258,10 @@ mod tests {
                 "radial:1.5:fixed:filter=nearest:reach=boundary:scale=0.7",
                 "radial:1.5:scale=0.7:boundary:filter=nearest:fixed",
             ),
+            (
+                "lms:0.5:0.4:fixed:filter=cubic",
+                "lms:0.5:0.4:filter=cubic:fixed",
+            ),
         ] {
             let method: Method = text.parse().unwrap();
             assert_eq!(method.to_string(), canonical);
@@ -370,7 +374,8 @@ mod tests {
             ("kfr:2:4:", "unknown setting of kfr ``"),
             ("kfr:2:4:publshed", "did you mean `published`?"),
             ("kfr:2:4:form=other", "unknown form `other`"),
-            ("kfr:2:4:filter=cubic", "unknown filter `cubic`"),
+            ("kfr:2:4:filter=quintic", "unknown filter `quintic`"),
+            ("lms:2:4:filter=gathr", "did you mean `gather`?"),
             ("kfr:2:4:smooth=1", "unknown setting of kfr `smooth=1`"),
             (
                 "efr:2",

@@ -259,8 +259,8 @@ mod tests {
                 "radial:1.5:scale=0.7:boundary:filter=nearest:fixed",
             ),
             (
-                "lms:0.5:0.4:fixed:filter=cubic",
-                "lms:0.5:0.4:filter=cubic:fixed",
+                "lms:0.5:0.4:mips:fixed:filter=cubic:scale=2.50",
+                "lms:0.5:0.4:scale=2.5:filter=cubic:mips:fixed",
             ),
         ] {
             let method: Method = text.parse().unwrap();
@@ -390,6 +390,10 @@ mod tests {
             ("efr:2:3:alpha=0", "alpha = 0: must be a number from 0.01"),
             ("lms:1", "B of lms = : must be a number from 0 to 20"),
             ("lms:-1:0", "A of lms = -1"),
+            (
+                "lms:1:1:scale=0",
+                "scale of lms = 0: must be a number from 0.05",
+            ),
             ("lms:1:1:smooth", "unknown setting of lms `smooth`"),
             (
                 "radial",

@@ -127,6 +127,7 @@ impl<'a> Inverse<'a> {
             Self::Radial(_) => 1024.0,
             Self::Exact(Map::Radial(_)) => 1024.0,
             Self::Exact(map @ Map::Affine(_)) => density(map, DVec2::ZERO),
+            Self::Exact(Map::LensMatched(map)) => map.scale() as f32,
             Self::Polar(_) | Self::Exact(_) => 1.0,
         }
     }
@@ -171,8 +172,8 @@ impl<'a> Inverse<'a> {
                     let at = map.lattice_from_display(px);
                     (*x_out, *y_out) = (at.x as f32, at.y as f32);
                     *dense = match map {
-                        Map::Radial(_) | Map::Affine(_) => density(map, at),
-                        _ => 1.0,
+                        Map::LogPolar(_) => 1.0,
+                        _ => density(map, at),
                     };
                 }
             }

@@ -11,7 +11,7 @@
 //! * [`StereoStudy`]: one frame of both eyes of a headset;
 //! * [`TemporalStudy`]: consecutive frames beside a [`supersampled`] reference: what flickers;
 //! * [`KernelTimes`], [`KernelErrors`]: what kernel foveated rendering pays in time and costs in error;
-//! * [`Guenter2012`], [`Meng2020`]: a paper's tables and figures, ours beside theirs;
+//! * [`Guenter2012`], [`Meng2020`], [`Friston2019`]: a paper's tables and figures, ours beside theirs;
 //! * [`Scenario`] and [`run()`]: all of it, in one report.
 
 mod chain;
@@ -56,9 +56,10 @@ pub use replay::{
     replay_each, replay_streamed,
 };
 pub use reproduce::{
-    Antialiasing, Column, DominanceFit, Fig7User, Guenter2012, Guenter2012Outcome, LatencyBars,
-    LatencyRow, Meng2020, Payoff, PayoffRow, Predicted, PredictedRow, QualityRow, QualitySweep,
-    ReproduceError, Stein2021, SteinRow, Table1, Table1Cell, TimeFit, Times, UserSigmas,
+    Antialiasing, Column, DominanceFit, Family, Fig7User, FoveatedRow, FoveatedWay, Friston2019,
+    Friston2019Outcome, Guenter2012, Guenter2012Outcome, HeadRow, LatencyBars, LatencyRow,
+    Meng2020, Payoff, PayoffRow, Predicted, PredictedRow, QualityRow, QualitySweep, ReproduceError,
+    Stein2021, SteinRow, StrengthRow, Table1, Table1Cell, TimeFit, Times, UserSigmas,
 };
 pub use run::{
     MARGIN_TOLERANCE_DEG, MOMENT_PICTURES, MarginLoop, MarginStep, MethodSaving, Moment, PlanCost,

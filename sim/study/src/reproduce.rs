@@ -1,7 +1,8 @@
 //! Papers' tables and figures, ours beside theirs: Guenter et al., *Foveated 3D Graphics*, 2012; Meng et al.,
-//! *Eye-dominance-guided Foveated Rendering*, 2020; and the latencies of Stein et al., 2021.
+//! *Eye-dominance-guided Foveated Rendering*, 2020; Friston et al., *Perceptual Rasterization*, 2019; and the latencies of Stein et al., 2021.
 
 mod antialiasing;
+mod friston;
 mod latency;
 mod line;
 mod meng;
@@ -23,9 +24,13 @@ use foveasim_models::{Acuity, Geometry, ModelError, Viewport, presets};
 use foveasim_quality::{QualityError, WINDOW};
 use foveasim_render::RenderError;
 use foveasim_reports::{ReportError, Table};
+use foveasim_traces::TraceError;
 use glam::UVec2;
 use thiserror::Error;
 
+pub use friston::{
+    Family, FoveatedRow, FoveatedWay, Friston2019, Friston2019Outcome, HeadRow, StrengthRow,
+};
 pub use latency::{LatencyBars, LatencyRow};
 pub use meng::{DominanceFit, Fig7User, Meng2020, UserSigmas};
 pub use paper::Column;
@@ -85,6 +90,9 @@ pub enum ReproduceError {
     /// Latency cannot be bounded.
     #[error(transparent)]
     Latency(#[from] LatencyError),
+    /// A movement cannot be made, or has no poses.
+    #[error(transparent)]
+    Trace(#[from] TraceError),
     /// The report cannot be made.
     #[error(transparent)]
     Report(#[from] ReportError),

@@ -87,7 +87,7 @@ pub(crate) fn supersampled_frame(
 }
 
 /// The part of an image plane from pixel `first` on, `n` times as fine.
-fn cut(whole: &Viewport, first: UVec2, part: UVec2, n: u32) -> Viewport {
+pub(crate) fn cut(whole: &Viewport, first: UVec2, part: UVec2, n: u32) -> Viewport {
     let corner = |px: UVec2| whole.direction(px.as_dvec2());
     let (upper_left, lower_right) = (corner(first), corner(first + part));
     Viewport {

@@ -13,6 +13,7 @@ mod atmosphere;
 mod camera;
 mod environment;
 mod generated;
+mod irradiance;
 mod load;
 mod lod;
 mod material;
@@ -32,6 +33,7 @@ mod track;
 pub use camera::{framing, look_at};
 pub use environment::EnvironmentMap;
 pub use generated::GeneratedScene;
+pub use irradiance::Irradiance;
 pub use load::{
     Format, LoadError, LoadOptions, Loaded, NoSideFiles, SideFiles, Up, load_bytes, load_scene,
 };

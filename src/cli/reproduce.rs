@@ -123,7 +123,7 @@ fn friston2019(args: &Args, ctx: &Context) -> Result<(), Failure> {
         bar.set_position((done * 1000.0) as u64);
     })?;
     bar.finish_and_clear();
-    for (name, bytes) in found.files() {
+    for (name, bytes) in found.files()? {
         outputs.add(name, bytes);
     }
     let report = outputs.path("report.html");

@@ -250,6 +250,7 @@ mod tests {
             ),
             ("lms:0.5:0.4:fixed", "lms:0.5:0.4:fixed"),
             ("radial:2", "radial:2"),
+            ("radial:2:mips:filter=cubic", "radial:2:filter=cubic:mips"),
             (
                 "radial:2.0:scale=1:reach=corner:filter=bilinear",
                 "radial:2",

@@ -2,8 +2,8 @@
 
 use foveasim_assets::Scene;
 use foveasim_models::{
-    Affine, Interpolation, Lattice, Map, Msaa, Pass, Pose, Region, Resolve, SamplePlan, Shading, View, Viewport,
-    Visibility,
+    Affine, Interpolation, Lattice, Map, Msaa, Pass, Pose, Region, Resolve, SamplePlan, Shading,
+    View, Viewport, Visibility,
 };
 use glam::UVec2;
 

@@ -59,7 +59,8 @@ pub use reproduce::{
     Antialiasing, Column, DominanceFit, Family, Fig7User, FoveatedRow, FoveatedWay, Friston2019,
     Friston2019Outcome, Guenter2012, Guenter2012Outcome, HeadRow, LatencyBars, LatencyRow,
     Meng2020, Payoff, PayoffRow, Predicted, PredictedRow, QualityRow, QualitySweep, ReproduceError,
-    Stein2021, SteinRow, StrengthRow, Table1, Table1Cell, TimeFit, Times, UserSigmas,
+    ResolutionRow, RollingRow, RollingWay, ShadowRow, Stein2021, SteinRow, StrengthRow, Table1,
+    Table1Cell, TimeFit, Times, UserSigmas,
 };
 pub use run::{
     MARGIN_TOLERANCE_DEG, MOMENT_PICTURES, MarginLoop, MarginStep, MethodSaving, Moment, PlanCost,

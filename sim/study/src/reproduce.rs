@@ -29,7 +29,8 @@ use glam::UVec2;
 use thiserror::Error;
 
 pub use friston::{
-    Family, FoveatedRow, FoveatedWay, Friston2019, Friston2019Outcome, HeadRow, StrengthRow,
+    Family, FoveatedRow, FoveatedWay, Friston2019, Friston2019Outcome, HeadRow, ResolutionRow,
+    RollingRow, RollingWay, ShadowRow, StrengthRow,
 };
 pub use latency::{LatencyBars, LatencyRow};
 pub use meng::{DominanceFit, Fig7User, Meng2020, UserSigmas};

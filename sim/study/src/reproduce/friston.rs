@@ -6,20 +6,29 @@ mod head;
 mod page;
 mod paper;
 mod place;
+mod rolling;
+mod scaling;
+mod shadow;
 mod strength;
 mod timing;
 
 pub use foveated::{FoveatedRow, FoveatedWay};
 pub use head::HeadRow;
+pub use rolling::{RollingRow, RollingWay};
+pub use scaling::ResolutionRow;
+pub use shadow::ShadowRow;
 pub use strength::{Family, StrengthRow};
 
 use std::time::Duration;
 
 use foveasim_assets::GeneratedScene;
+use foveasim_models::Image;
+use foveasim_render::Bound;
 use glam::UVec2;
 
 use super::{ReproduceError, check};
 use place::Place;
+use rolling::Scanned;
 
 /// Friston et al. 2019 reproduced: what is measured, and how much of it.
 #[derive(Debug, Clone, PartialEq)]
@@ -28,6 +37,10 @@ pub struct Friston2019 {
     pub size: UVec2,
     /// What is drawn.
     pub scenes: Vec<GeneratedScene>,
+    /// By how much the head turns in the rows of Fig. 12 \[deg\], within a scan of 1/90 s.
+    pub turn_deg: f64,
+    /// By how much it turns in Fig. 13 \[deg\].
+    pub turns_deg: Vec<f64>,
     /// How often each time is taken.
     pub rounds: u32,
     /// Samples along each side of a pixel of the foveal reference.
@@ -45,6 +58,20 @@ pub struct Friston2019Outcome {
     pub strengths: Vec<StrengthRow>,
     /// Fig. 12, the rows of foveation: times, efficiency and likeness.
     pub foveated: Vec<FoveatedRow>,
+    /// Fig. 12, the rows of rolling displays.
+    pub rolling: Vec<RollingRow>,
+    /// Fig. 12, the rows of both.
+    pub both: Vec<RollingRow>,
+    /// Fig. 12, foveated shadows: everything lit, with one map and with a second one where the eye looks.
+    pub shadows: Vec<ShadowRow>,
+    /// Fig. 13 over the turn of the head, of the first scene.
+    pub turns: Vec<RollingRow>,
+    /// Fig. 13 over the size of the image, of the first scene.
+    pub resolutions: Vec<ResolutionRow>,
+    /// Fig. 8: of each scene, drawn at the start of a scan, warped, rolling.
+    pub pictures: Vec<[Image; 3]>,
+    /// Fig. 15: the share of tests that hit, by bound, of the first scene.
+    pub efficiency: Vec<(Bound, Image)>,
     /// §5.2: how far head pose is predicted wrongly.
     pub head: Vec<HeadRow>,
 }
@@ -57,7 +84,15 @@ impl Default for Friston2019 {
     fn default() -> Self {
         Self {
             size: UVec2::splat(1024),
-            scenes: GeneratedScene::ALL.into(),
+            scenes: vec![
+                GeneratedScene::Study,
+                GeneratedScene::Hairball { strands: 4000 },
+                // 16° within a scan: its linear vertices shrink the rotor by 1 %.
+                GeneratedScene::Machine { rpm: 240.0 },
+                GeneratedScene::Room { bars: 160 },
+            ],
+            turn_deg: 3.0,
+            turns_deg: vec![0.0, 0.5, 1.0, 2.0, 4.0, 8.0],
             rounds: 5,
             reference_samples: 8,
             seed: 1,
@@ -74,6 +109,7 @@ impl Friston2019 {
                 GeneratedScene::Hairball { strands: 300 },
                 GeneratedScene::Room { bars: 60 },
             ],
+            turns_deg: vec![0.0, 2.0],
             rounds: 1,
             reference_samples: 4,
             ..Self::default()
@@ -109,16 +145,51 @@ impl Friston2019 {
         let places = places.collect::<Result<Vec<_>, _>>()?;
         let of = |from: f64, to: f64| move |done: f64| from + (to - from) * done;
         let strengths = strength::measure(&places, self.rounds, clock, &|done| {
-            progress("Fig. 14", of(0.05, 0.55)(done));
+            progress("Fig. 14", of(0.05, 0.4)(done));
         })?;
         let foveated = foveated::measure(&places, &strengths, self.rounds, clock, &|done| {
-            progress("Fig. 12", of(0.55, 0.95)(done));
+            progress("Fig. 12, foveated", of(0.4, 0.6)(done));
         })?;
-        progress("head poses", 0.95);
+        let (mut rolling, mut both, mut pictures) = (Vec::new(), Vec::new(), Vec::new());
+        for (k, place) in places.iter().enumerate() {
+            progress(
+                "Fig. 12, rolling",
+                of(0.6, 0.8)(k as f64 / places.len() as f64),
+            );
+            let scanned = Scanned::new(place, self.turn_deg)?;
+            rolling.extend(scanned.measure(&RollingWay::ALL, self.rounds, clock)?);
+            let magnified =
+                place.as_many_samples(&|scale| Family::Radial.method(foveated::STRENGTH, scale))?;
+            both.extend(scanned.measure_magnified(
+                magnified,
+                self.rounds,
+                clock,
+                self.reference_samples,
+            )?);
+            pictures.push(scanned.pictures()?);
+        }
+        progress("Fig. 12, shadows", 0.8);
+        let shadows = shadow::measure(&places, self.rounds, clock)?;
+        progress("Fig. 13", 0.85);
+        let mut turns = Vec::new();
+        for &turn_deg in &self.turns_deg {
+            let scanned = Scanned::new(&places[0], turn_deg)?;
+            turns.extend(scanned.measure(&RollingWay::FEW, self.rounds, clock)?);
+        }
+        let resolutions = scaling::measure(self, clock)?;
+        progress("Fig. 15", 0.95);
+        let efficiency = Scanned::new(&places[0], self.turn_deg)?.efficiency()?;
         Ok(Friston2019Outcome {
             asked: self.clone(),
             strengths,
             foveated,
+            rolling,
+            both,
+            shadows,
+            turns,
+            resolutions,
+            pictures,
+            efficiency,
             head: head::rows(self.seed)?,
         })
     }

@@ -2,7 +2,7 @@ use std::time::Duration;
 
 use foveasim_models::foveation::{KernelForm, Method};
 use foveasim_models::{Eye, ModelError, SamplePlan};
-use foveasim_render::{RenderOptions, trace};
+use foveasim_render::{Bound, RenderOptions, trace};
 use foveasim_reports::{Cell, Table};
 
 use super::place::Place;
@@ -12,7 +12,7 @@ use super::{Friston2019Outcome, ReproduceError};
 use crate::kernel::median;
 
 /// One way to draw a foveated frame.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum FoveatedWay {
     /// Full resolution by common rasterization.
@@ -25,6 +25,10 @@ pub enum FoveatedWay {
     Kernel,
     /// The same with visibility found at its samples.
     KernelDirect,
+    /// A buffer that magnifies the fovea with k = 2.
+    Perceptual,
+    /// The same by moving triangles, as where something moves, with one of their bounds.
+    Bounded(Bound),
     /// Full resolution by casting rays; visibility alone, building its tree included.
     Traced,
 }
@@ -54,24 +58,31 @@ pub struct FoveatedRow {
 
 impl FoveatedWay {
     /// All of them, in the order of the figure; the first is what times are compared with.
-    pub const ALL: [Self; 6] = [
+    pub const ALL: [Self; 11] = [
         Self::Common,
         Self::Layers,
         Self::LensMatched,
         Self::Kernel,
         Self::KernelDirect,
+        Self::Perceptual,
+        Self::Bounded(Bound::Box),
+        Self::Bounded(Bound::Simple),
+        Self::Bounded(Bound::Adaptive),
+        Self::Bounded(Bound::Conservative),
         Self::Traced,
     ];
 
     /// Its name.
-    pub fn name(self) -> &'static str {
+    pub fn name(self) -> String {
         match self {
-            Self::Common => "common",
-            Self::Layers => "layers",
-            Self::LensMatched => "lens-matched",
-            Self::Kernel => "kernel, published",
-            Self::KernelDirect => "kernel, direct",
-            Self::Traced => "ray-traced",
+            Self::Common => "common".into(),
+            Self::Layers => "layers".into(),
+            Self::LensMatched => "lens-matched".into(),
+            Self::Kernel => "kernel, published".into(),
+            Self::KernelDirect => "kernel, direct".into(),
+            Self::Perceptual => "perceptual".into(),
+            Self::Bounded(bound) => format!("perceptual, {}", bound.name()),
+            Self::Traced => "ray-traced".into(),
         }
     }
 
@@ -83,6 +94,9 @@ impl FoveatedWay {
         match self {
             Self::Common | Self::Traced => Ok(Method::Full),
             Self::Layers => "layers:3".parse(),
+            Self::Perceptual | Self::Bounded(_) => {
+                place.as_many_samples(&|scale| Family::Radial.method(STRENGTH, scale))
+            }
             Self::LensMatched => of(Family::LensMatched),
             Self::KernelDirect => of(Family::LogPolar),
             Self::Kernel => match of(Family::LogPolar)? {
@@ -95,6 +109,9 @@ impl FoveatedWay {
         }
     }
 }
+
+/// The exponent that the paper uses.
+pub(super) const STRENGTH: f64 = 2.0;
 
 /// What the rounds of one way have found.
 struct Found {
@@ -166,7 +183,13 @@ impl Found {
         place: &Place,
         clock: &mut dyn FnMut() -> Duration,
     ) -> Result<(), ReproduceError> {
-        let options = RenderOptions::default();
+        let options = RenderOptions {
+            bound: match way {
+                FoveatedWay::Bounded(bound) => Some(bound),
+                _ => None,
+            },
+            ..RenderOptions::default()
+        };
         if way == FoveatedWay::Traced {
             // Slow, and without shading: once is enough.
             let bare = match self.times.first() {
@@ -182,7 +205,13 @@ impl Found {
             self.times.push(FrameTime { frame: bare, bare });
             return Ok(());
         }
-        let (frame, time) = pair(place, &self.plan, &options, clock)?;
+        let (frame, time) = pair(
+            [&place.world, &place.bare],
+            &place.view,
+            &self.plan,
+            &options,
+            clock,
+        )?;
         if self.times.is_empty() {
             let work = &frame.work;
             self.samples = work.samples();

@@ -1,20 +1,42 @@
-use foveasim_reports::{BarChart, BarSeries, Page};
+use foveasim_reports::{BarChart, BarSeries, Page, png, shrink, side_by_side};
 
-use super::{Family, FoveatedRow, FoveatedWay, Friston2019Outcome};
+use super::{
+    Family, FoveatedRow, FoveatedWay, Friston2019Outcome, ReproduceError, RollingRow, RollingWay,
+};
+
+/// Between pictures side by side \[px\].
+const GAP: u32 = 4;
+/// Width of a picture on the page \[px\].
+const PICTURE_PX: u32 = 420;
 
 impl Friston2019Outcome {
-    /// All files of the reproduction: tables as CSV, charts as SVG, and one page with both.
-    pub fn files(&self) -> Vec<(String, Vec<u8>)> {
+    /// All files of the reproduction: tables as CSV, charts as SVG, pictures as PNG, and one page with all of them.
+    ///
+    /// # Errors
+    /// If a picture cannot be written.
+    pub fn files(&self) -> Result<Vec<(String, Vec<u8>)>, ReproduceError> {
         let mut files: Vec<(String, Vec<u8>)> = Vec::new();
         let mut add = |name: &str, text: String| files.push((name.to_owned(), text.into_bytes()));
         add("fig12-foveated.csv", self.foveated_table().csv());
+        add("fig12-rolling.csv", Self::table_of(&self.rolling).csv());
+        add("fig12-both.csv", Self::table_of(&self.both).csv());
+        add("fig12-shadow.csv", self.shadow_table().csv());
+        add("fig13-resolution.csv", self.resolution_table().csv());
+        add("fig13-turn.csv", Self::table_of(&self.turns).csv());
         add("fig14.csv", self.strength_table().csv());
         add("head.csv", self.head_table().csv());
         for (name, _, svg) in self.charts() {
             add(&format!("{name}.svg"), svg);
         }
-        add("report.html", self.page());
-        files
+        add("report.html", self.page()?);
+        for (scene, [common, warped, rolling]) in self.asked.scenes.iter().zip(&self.pictures) {
+            let picture = side_by_side(&[common, warped, rolling], GAP);
+            files.push((format!("fig8-{}.png", scene.name()), png(&picture)?));
+        }
+        for (bound, picture) in &self.efficiency {
+            files.push((format!("fig15-{}.png", bound.name()), png(picture)?));
+        }
+        Ok(files)
     }
 
     /// Every chart: name of its file, caption, picture.
@@ -33,6 +55,38 @@ impl Friston2019Outcome {
                 "Fig. 12: likeness of the fovea",
                 self.bars("SSIM of the fovea", "SSIM", |r| r.ssim),
             ),
+            (
+                "fig12-rolling-time",
+                "Fig. 12: time on a rolling display over that of common rasterization",
+                self.rolling_bars("Time over common rasterization", "ratio", |r| r.over_common),
+            ),
+            (
+                "fig12-rolling-ssim",
+                "Fig. 12: likeness on a rolling display",
+                self.rolling_bars("SSIM, disocclusions left out", "SSIM", |r| r.ssim),
+            ),
+            (
+                "fig13-resolution",
+                "Fig. 13, a: resolution",
+                self.resolution_chart().svg(),
+            ),
+            (
+                "fig13-turn-time",
+                "Fig. 13, b: time over the turn",
+                Self::turn_chart(
+                    &self.turns,
+                    "Time of a frame over the turn",
+                    "time [ms]",
+                    |r| r.raster_ms + r.shading_ms,
+                )
+                .svg(),
+            ),
+            (
+                "fig13-turn-ssim",
+                "Fig. 13, c: likeness over the turn",
+                Self::turn_chart(&self.turns, "Likeness over the turn", "SSIM", |r| r.ssim).svg(),
+            ),
+            ("fig14-radial", "Fig. 14, radial", strength(Family::Radial)),
             (
                 "fig14-lens-matched",
                 "Fig. 14, lens-matched",
@@ -74,14 +128,45 @@ impl Friston2019Outcome {
         BarChart {
             title: title.into(),
             value_label: value_label.into(),
-            groups: ways.iter().map(|w| w.name().to_owned()).collect(),
+            groups: ways.iter().map(|w| w.name()).collect(),
+            series: scenes.iter().map(series).collect(),
+        }
+        .svg()
+    }
+
+    /// A bar for each way of rolling displays, of each scene.
+    fn rolling_bars(
+        &self,
+        title: &str,
+        value_label: &str,
+        pick: impl Fn(&RollingRow) -> f64,
+    ) -> String {
+        let mut scenes: Vec<&str> = self.rolling.iter().map(|r| r.scene.as_str()).collect();
+        scenes.dedup();
+        let series = |scene: &&str| {
+            let value = |way: &RollingWay| {
+                let row = self
+                    .rolling
+                    .iter()
+                    .find(|r| r.scene == *scene && r.way == *way);
+                row.map(&pick)
+            };
+            BarSeries {
+                label: (*scene).to_owned(),
+                values: RollingWay::ALL.iter().map(value).collect(),
+            }
+        };
+        BarChart {
+            title: title.into(),
+            value_label: value_label.into(),
+            groups: RollingWay::ALL.iter().map(|w| w.name()).collect(),
             series: scenes.iter().map(series).collect(),
         }
         .svg()
     }
 
     /// Everything in one page that needs nothing else.
-    fn page(&self) -> String {
+    fn page(&self) -> Result<String, ReproduceError> {
         let asked = &self.asked;
         let mut page =
             Page::new("Perceptual Rasterization (Friston, Ritschel & Steed 2019), reproduced");
@@ -101,12 +186,50 @@ impl Friston2019Outcome {
         ));
         page.table("Foveated frames", &self.foveated_table());
         for (name, caption, svg) in self.charts() {
-            if name == "fig14-lens-matched" {
-                page.heading("Fig. 14: strength of foveation");
+            match name {
+                "fig12-rolling-time" => {
+                    page.heading("Fig. 12: rolling displays");
+                    page.paragraph(&format!(
+                        "The display scans from left to right within 1/90 s, the head turns by {}° and moves by 2 cm. \
+                         Likeness is to what each place should show as it lights, by the conservative bound, which tests show \
+                         to be what rays find sample for sample; the fill of disoccluded pixels is the reference's, and they do \
+                         not count. Efficiency and missed samples are counted with nothing left out for being hidden.",
+                        asked.turn_deg
+                    ));
+                    page.table("Rolling", &Self::table_of(&self.rolling));
+                    page.table(
+                        "Rolling and foveated: likeness of the fovea against up to as many samples to the pixel as above",
+                        &Self::table_of(&self.both),
+                    );
+                    page.table(
+                        "Shadows: one map, and as many texels in two, the second about what the eye looks at",
+                        &self.shadow_table(),
+                    );
+                    for (scene, images) in asked.scenes.iter().zip(&self.pictures) {
+                        let [a, b, c] = images.each_ref().map(|i| shrink(i, PICTURE_PX));
+                        let caption = format!(
+                            "Fig. 8, {}: drawn at the start; warped, unknown places in squares; rolling",
+                            scene.name()
+                        );
+                        page.picture(&caption, &side_by_side(&[&a, &b, &c], GAP))?;
+                    }
+                }
+                "fig13-resolution" => {
+                    page.heading("Fig. 13: resolution and turn");
+                    page.table("Resolution", &self.resolution_table());
+                    page.table("Turn", &Self::table_of(&self.turns));
+                }
+                "fig14-radial" => page.heading("Fig. 14: strength of foveation"),
+                _ => {}
             }
             page.svg(caption, &svg);
         }
         page.table("Strengths", &self.strength_table());
+        page.heading("Fig. 15: efficiency of sample tests");
+        page.paragraph("Of each sample, the share of triangles tested that cover it, on the rolling display of the first scene.");
+        for (bound, picture) in &self.efficiency {
+            page.picture(bound.name(), &shrink(picture, PICTURE_PX))?;
+        }
         page.heading("Head poses");
         page.paragraph(
             "The paper's recording is not published. A turn whose errors are known in closed form shows that predictors do what \
@@ -115,6 +238,6 @@ impl Friston2019Outcome {
              an error of one frame, while its linear prediction is within a millimetre.",
         );
         page.table("One frame ahead", &self.head_table());
-        page.html()
+        Ok(page.html())
     }
 }

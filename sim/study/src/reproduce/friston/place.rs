@@ -2,12 +2,12 @@ use foveasim_assets::{GeneratedScene, Scene};
 use foveasim_models::foveation::{Method, Request};
 use foveasim_models::{Acuity, Eye, Image, ModelError, SamplePlan, View, Viewport};
 use foveasim_quality::compare;
-use foveasim_render::RenderOptions;
+use foveasim_render::{RenderOptions, render};
 use glam::{DVec2, UVec2};
 
 use super::{FOVEA_PX, Friston2019, ReproduceError};
 use crate::kernel::one_colour;
-use crate::supersample::{cut, supersampled};
+use crate::supersample::{cut, mean, supersampled};
 
 /// A scene as it is looked at, and how its fovea should look.
 #[derive(Debug)]
@@ -24,6 +24,8 @@ pub(super) struct Place {
     reference: Image,
 }
 
+/// Samples along a side of the image that a moving view's fovea is cut out of.
+const MOST_SIDE: u32 = 4096;
 /// Tangent of half the field of view.
 const HALF_WIDTH_TAN: f64 = 1.0;
 /// How far along its way the camera stands.
@@ -57,35 +59,75 @@ impl Place {
         let first = (centre - f64::from(FOVEA_PX) / 2.0).max(DVec2::ZERO);
         let fovea = first.as_uvec2().min(size - FOVEA_PX);
         let world = scene.build(asked.seed);
-        let part = View::still(
-            Eye::Cyclopean,
-            cut(&viewport, fovea, UVec2::splat(FOVEA_PX), 1),
-            eye,
-        );
-        let options = RenderOptions::default();
-        let reference = supersampled(&world, &part, asked.reference_samples, &options)?;
         let Ok(bare) = one_colour(&world) else {
             unreachable!("the parts of a scene make one")
         };
-        Ok(Self {
+        let mut place = Self {
             scene,
             world,
             bare,
             view,
             request,
             fovea,
-            reference,
-        })
+            reference: Image::filled(UVec2::ZERO, [0.0; 3]),
+        };
+        place.reference = place.foveal(asked.reference_samples)?;
+        Ok(place)
+    }
+
+    /// The fovea at `n` × `n` samples to the pixel.
+    fn foveal(&self, n: u32) -> Result<Image, ReproduceError> {
+        let optics = cut(&self.view.optics, self.fovea, UVec2::splat(FOVEA_PX), 1);
+        let part = View {
+            optics,
+            ..self.view
+        };
+        let options = RenderOptions::default();
+        Ok(supersampled(&self.world, &part, n, &options)?)
+    }
+
+    /// The fovea of a view that moves at up to `n` × `n` samples to the pixel: as many as an image of all of it may
+    /// have.
+    pub(super) fn foveal_rolling(
+        &self,
+        world: &Scene,
+        view: &View,
+        n: u32,
+    ) -> Result<Image, ReproduceError> {
+        let size = view.optics.size;
+        let n = n.min(MOST_SIDE / size.max_element()).max(1);
+        let fine = View {
+            optics: Viewport::new(size * n, view.optics.tan)?,
+            ..*view
+        };
+        let plan = SamplePlan::full(view.eye, size * n);
+        let samples = render(world, &fine, &plan, &RenderOptions::default())?.image;
+        let mut fovea = Image::filled(UVec2::splat(FOVEA_PX), [0.0; 3]);
+        for (k, rgb) in fovea.rgb.iter_mut().enumerate() {
+            let px = UVec2::new(k as u32 % FOVEA_PX, k as u32 / FOVEA_PX);
+            *rgb = mean(&samples, (self.fovea + px) * n, n);
+        }
+        Ok(fovea)
     }
 
     /// SSIM of an image's fovea.
     pub(super) fn likeness(&self, image: &Image) -> Result<f64, ReproduceError> {
+        Ok(compare(&self.fovea_of(image), &self.reference)?.whole.ssim)
+    }
+
+    /// Where the eye looks \[px\].
+    pub(super) fn gaze_px(&self) -> DVec2 {
+        (gaze(self.scene) * self.view.optics.size.as_dvec2()).round()
+    }
+
+    /// The fovea of an image.
+    pub(super) fn fovea_of(&self, image: &Image) -> Image {
         let mut fovea = Image::filled(UVec2::splat(FOVEA_PX), [0.0; 3]);
         for (k, rgb) in fovea.rgb.iter_mut().enumerate() {
             let k = k as u32;
             *rgb = image.at(self.fovea.x + k % FOVEA_PX, self.fovea.y + k / FOVEA_PX);
         }
-        Ok(compare(&fovea, &self.reference)?.whole.ssim)
+        fovea
     }
 
     pub(super) fn plan(&self, method: Method) -> Result<SamplePlan, ModelError> {

@@ -1,6 +1,6 @@
 use std::time::Duration;
 
-use foveasim_models::foveation::{KernelSettings, LensMatchedSettings, Method};
+use foveasim_models::foveation::{KernelSettings, LensMatchedSettings, Method, RadialSettings};
 use foveasim_models::{Interpolation, ModelError};
 use foveasim_render::RenderOptions;
 use foveasim_reports::{LineChart, LineSeries, Table};
@@ -14,6 +14,8 @@ use crate::kernel::median;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 #[non_exhaustive]
 pub enum Family {
+    /// A buffer that magnifies the fovea: the exponent k.
+    Radial,
     /// Lens-matched shading: the growth A = B of w to the image's edges.
     LensMatched,
     /// Kernel foveated rendering: the exponent α, visibility found at its own samples.
@@ -43,11 +45,12 @@ pub struct StrengthRow {
 
 impl Family {
     /// All of them.
-    pub const ALL: [Self; 2] = [Self::LensMatched, Self::LogPolar];
+    pub const ALL: [Self; 3] = [Self::Radial, Self::LensMatched, Self::LogPolar];
 
     /// Its name.
     pub fn name(self) -> &'static str {
         match self {
+            Self::Radial => "radial",
             Self::LensMatched => "lens-matched",
             Self::LogPolar => "log-polar",
         }
@@ -56,6 +59,7 @@ impl Family {
     /// What its strength is called.
     pub fn parameter(self) -> &'static str {
         match self {
+            Self::Radial => "k",
             Self::LensMatched => "A = B",
             Self::LogPolar => "alpha",
         }
@@ -64,6 +68,7 @@ impl Family {
     /// The strengths that are measured, from none, or nearly none, on.
     fn strengths(self) -> &'static [f64] {
         match self {
+            Self::Radial => &[1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0],
             Self::LensMatched => &[0.0, 0.5, 1.0, 2.0, 4.0, 8.0],
             Self::LogPolar => &[0.25, 0.35, 0.5, 0.7, 1.0, 2.0, 4.0],
         }
@@ -72,6 +77,11 @@ impl Family {
     /// The method of a strength with so many lattice steps to the pixel; each is read with the filters that suit it.
     pub(super) fn method(self, strength: f64, scale: f64) -> Result<Method, ModelError> {
         Ok(match self {
+            Self::Radial => {
+                let mut settings = RadialSettings::new(strength)?.with_scale(scale)?;
+                (settings.interpolation, settings.mips) = (Interpolation::Cubic, true);
+                Method::Radial(settings)
+            }
             Self::LensMatched => {
                 let mut settings =
                     LensMatchedSettings::new(strength, strength)?.with_scale(scale)?;
@@ -118,7 +128,7 @@ fn measure_one(
     let options = RenderOptions::default();
     let (mut times, mut last) = (Vec::new(), None);
     for _ in 0..rounds {
-        let (frame, ms) = timed(place, &place.world, &plan, &options, clock)?;
+        let (frame, ms) = timed(&place.world, &place.view, &plan, &options, clock)?;
         times.push(ms);
         last = Some(frame);
     }

@@ -36,8 +36,41 @@ fn every_row_is_there_and_means_something() {
         );
     }
     assert_eq!(found.foveated[0].over_common, 1.0);
-    let names: Vec<String> = found.files().into_iter().map(|(name, _)| name).collect();
-    for name in ["fig12-foveated.csv", "fig14.csv", "head.csv", "report.html"] {
+    assert_eq!(found.rolling.len(), RollingWay::ALL.len());
+    let rolling = |way| found.rolling.iter().find(|r| r.way == way).unwrap();
+    let ours = rolling(RollingWay::Rolling(Bound::Conservative));
+    let [warped, common] = [RollingWay::Warped, RollingWay::Common].map(rolling);
+    assert_eq!((ours.ssim, ours.missed), (1.0, Some(0)));
+    assert!(
+        common.ssim < warped.ssim && warped.ssim < 1.0,
+        "{common:?} {warped:?}"
+    );
+    assert!(warped.disoccluded.unwrap() > 0.0 && warped.disoccluded.unwrap() < 0.2);
+    assert!(found.both.iter().all(|r| r.ssim > 0.0 && r.ssim <= 1.0));
+    assert_eq!((found.shadows.len(), found.efficiency.len()), (2, 4));
+    // A head that only moves by its sway changes little; a turn changes more.
+    let still = found
+        .turns
+        .iter()
+        .find(|r| r.way == RollingWay::Common)
+        .unwrap();
+    assert!(still.turn_deg == 0.0 && still.ssim > common.ssim);
+    let names: Vec<String> = found
+        .files()
+        .unwrap()
+        .into_iter()
+        .map(|(name, _)| name)
+        .collect();
+    for name in [
+        "fig12-foveated.csv",
+        "fig12-rolling.csv",
+        "fig13-turn.csv",
+        "fig14.csv",
+        "fig15-box.png",
+        "fig8-room.png",
+        "head.csv",
+        "report.html",
+    ] {
         assert!(names.iter().any(|n| n == name), "{name}");
     }
 }

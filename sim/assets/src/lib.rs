@@ -7,7 +7,7 @@
 //!
 //! # Simplifications
 //!
-//! Instances move rigidly; no normal maps and no transparency; one sun, no shadows.
+//! Instances move rigidly; no normal maps and no transparency; one sun.
 
 mod atmosphere;
 mod camera;

@@ -34,7 +34,8 @@
 //! * Passes whose samples do not lie evenly have no history in a [`Sequence`].
 //! * [`render`] draws every pass afresh, whatever its cadence; a [`Sequence`] knows what the frames before
 //!   have drawn.
-//! * One sun and a sky, no shadows, transparency or normal maps.
+//! * One sun and a sky, no transparency or normal maps; shadows where [`Lighting`] asks for them.
+//! * [`GridWarp`] moves a drawn image instead of drawing it anew: a baseline.
 //! * With MSAA, a surface is shaded in the middle of its sample even where it is seen only beside it.
 //! * Motion is that of cameras and rigid instances. What a material shows is taken not to move on it, so
 //!   reflections are found again where the surface is, not where they are.

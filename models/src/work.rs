@@ -52,11 +52,17 @@ pub struct Work {
     pub history_rejected: u64,
     /// … of which with a history pulled into the range of colours around them.
     pub history_clamped: u64,
+    /// Triangles offered to maps of shadows.
+    pub shadow_triangles: u64,
+    /// Texels of maps of shadows.
+    pub shadow_texels: u64,
+    /// Depths that samples read around them for ambient occlusion.
+    pub occlusion_reads: u64,
 }
 
 impl Work {
     /// Names and values, in a fixed order, for tables.
-    pub fn rows(&self) -> [(&'static str, u64); 23] {
+    pub fn rows(&self) -> [(&'static str, u64); 26] {
         [
             ("passes", self.passes),
             ("vertices", self.vertices),
@@ -81,6 +87,9 @@ impl Work {
             ("samples_reprojected", self.samples_reprojected),
             ("history_rejected", self.history_rejected),
             ("history_clamped", self.history_clamped),
+            ("shadow_triangles", self.shadow_triangles),
+            ("shadow_texels", self.shadow_texels),
+            ("occlusion_reads", self.occlusion_reads),
         ]
     }
 
@@ -115,5 +124,8 @@ impl AddAssign for Work {
         self.samples_reprojected += o.samples_reprojected;
         self.history_rejected += o.history_rejected;
         self.history_clamped += o.history_clamped;
+        self.shadow_triangles += o.shadow_triangles;
+        self.shadow_texels += o.shadow_texels;
+        self.occlusion_reads += o.occlusion_reads;
     }
 }

@@ -2,7 +2,7 @@
 
 use foveasim_assets::{Detail, LodRule, STUDY_FRAMES};
 use foveasim_models::Msaa;
-use foveasim_render::{RenderOptions, Simd, Skip, TemporalOptions};
+use foveasim_render::{Lighting, RenderOptions, Simd, Skip, TemporalOptions};
 use foveasim_study::Drawing;
 
 use super::Failure;
@@ -49,6 +49,10 @@ pub(crate) struct DrawingArgs {
     /// Write every frame, frame-0001.png and so on (with --frames 2 or more)
     #[arg(long)]
     pub(crate) all_frames: bool,
+    /// Light beyond a sun and an even sky: all, none, or some of shadows[=TEXELS A SIDE], image (light of the
+    /// sky from an image of it), occlusion[=RADIUS IN METRES], with commas
+    #[arg(long, value_name = "LIST", default_value = "none", value_parser = str::parse::<Lighting>)]
+    shading: Lighting,
     /// Instructions to use; the pictures are the same
     #[arg(long, value_enum, default_value_t = SimdChoice::Auto)]
     simd: SimdChoice,
@@ -119,6 +123,7 @@ impl DrawingArgs {
                 },
                 lod_error: self.lod_error,
                 skip: self.skip,
+                lighting: self.shading,
                 ..RenderOptions::default()
             },
             msaa: self.msaa,

@@ -3,10 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use foveasim_assets::{
-    LoadOptions, STUDY_FRAMES, Scene, Up, Volume, VolumeFormat, framing, load_scene, load_volume,
-    look_at, study_camera, study_scene, volume_named,
+    GeneratedScene, LoadOptions, STUDY_FRAMES, Scene, Up, Volume, VolumeFormat, framing,
+    load_scene, load_volume, look_at, study_camera, study_scene, volume_named,
 };
-use foveasim_models::{Pose, Viewport, unknown_name};
+use foveasim_models::{Pose, Viewport};
 use glam::DAffine3;
 
 use foveasim_study::{ScanMotion, Sight};
@@ -16,9 +16,9 @@ use super::{Context, Failure, options};
 /// Scene and camera.
 #[derive(Debug, clap::Args)]
 pub(crate) struct SceneArgs {
-    /// What to draw: study (the scene of Guenter et al. 2012), an OBJ, glTF, GLB, PLY or STL file, or a
-    /// volume: a NIfTI, NRRD, MetaImage, VTI or TOML file, a vtk.js folder, or volume:KIND[:SIZE] with a KIND of
-    /// marschner-lobb, jet, filaments, vortices, porous or shells
+    /// What to draw: study (the scene of Guenter et al. 2012), hairball[:STRANDS], machine[:TURNS PER MINUTE],
+    /// room[:BARS], an OBJ, glTF, GLB, PLY or STL file, or a volume: a NIfTI, NRRD, MetaImage, VTI or TOML file, a
+    /// vtk.js folder, or volume:KIND[:SIZE] with a KIND of marschner-lobb, jet, filaments, vortices, porous or shells
     #[arg(long, value_name = "NAME|FILE", default_value = "study")]
     scene: String,
     /// Frame of the study scene's fly-through, 0 to 5376; the last one with --frames [default: 500]
@@ -29,13 +29,13 @@ pub(crate) struct SceneArgs {
         conflicts_with = "camera"
     )]
     frame: Option<u32>,
-    /// Where the eye is, in metres [default: so that it sees the whole file]
+    /// Where the eye is, in metres [default: the scene's own, or so that it sees the whole file]
     #[arg(long, value_name = "X,Y,Z", value_parser = options::triple, allow_hyphen_values = true)]
     camera: Option<[f64; 3]>,
-    /// What is in the middle of its view, in metres [default: the middle of the file]
+    /// What is in the middle of its view, in metres [default: the scene's own, or the middle of the file]
     #[arg(long, value_name = "X,Y,Z", value_parser = options::triple, allow_hyphen_values = true)]
     look_at: Option<[f64; 3]>,
-    /// Time of the file's animation [s]; of the last frame with --frames [default: 0]
+    /// Time of what moves in the scene [s]; of the last frame with --frames [default: 0]
     #[arg(long, value_name = "SECONDS", allow_hyphen_values = true)]
     time: Option<f64>,
     /// Picture (PNG or JPEG) for all materials of the file that have none
@@ -107,22 +107,73 @@ impl SceneArgs {
             return self.study(frames, scan_s / period_s, ctx);
         }
         let path = Path::new(&self.scene);
-        // A name without an extension that is no file was meant as a scene's.
-        if !path.exists() && path.extension().is_none() {
-            return Err(unknown_name("scene", &self.scene, &["study"]).into());
+        if path.exists() {
+            return self.file(path, optics, frames, [period_s, scan_s], ctx);
         }
-        self.file(path, optics, frames, [period_s, scan_s], ctx)
+        match self.scene.parse::<GeneratedScene>() {
+            Ok(scene) => self.generated(scene, frames, [period_s, scan_s], ctx),
+            // What has an extension was meant as a file.
+            Err(_) if path.extension().is_some() && !self.scene.contains(':') => {
+                self.file(path, optics, frames, [period_s, scan_s], ctx)
+            }
+            Err(error) => Err(error.into()),
+        }
+    }
+
+    /// Refuses flags that only files have.
+    fn not_a_file(&self) -> Result<(), Failure> {
+        let of_files = [
+            ("--texture", self.texture.is_some()),
+            ("--up", self.up.is_some()),
+        ];
+        match of_files.iter().find(|(_, given)| *given) {
+            Some((flag, _)) => {
+                let text = format!("{flag}: only with a file (--scene FILE)");
+                Err(Failure::bad_input(text))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// Time of what moves \[s\].
+    fn seconds(&self) -> Result<f64, Failure> {
+        let seconds = self.time.unwrap_or(0.0);
+        if self.frame.is_some() {
+            return Err(Failure::bad_input("--frame: only with --scene study"));
+        }
+        if !(0.0..=1e6).contains(&seconds) {
+            let text = format!("--time {seconds}: must be from 0 to 1000000 seconds");
+            return Err(Failure::bad_input(text));
+        }
+        Ok(seconds)
+    }
+
+    fn generated(
+        &self,
+        scene: GeneratedScene,
+        frames: u32,
+        periods: [f64; 2],
+        ctx: &Context,
+    ) -> Result<Stage, Failure> {
+        self.not_a_file()?;
+        let own = scene.camera(0.0, ctx.seed);
+        let ahead = own.position + own.direction([0.0, 0.0, -1.0].into());
+        let eye = self.eye(own, Some(ahead.to_array()))?;
+        let scenes = in_frames(&scene.build(ctx.seed), self.seconds()?, frames, periods)?;
+        Ok(Stage {
+            scenes,
+            world_from_eye: vec![eye; frames as usize],
+            a_scan_later: vec![eye; frames as usize],
+            first_frame: 0,
+            near_m: STUDY_NEAR_M,
+        })
     }
 
     /// In each frame the camera flies on for `scan` of the way to the next.
     fn study(&self, frames: u32, scan: f64, ctx: &Context) -> Result<Stage, Failure> {
-        let of_files = [
-            ("--time", self.time.is_some()),
-            ("--texture", self.texture.is_some()),
-            ("--up", self.up.is_some()),
-        ];
-        if let Some((flag, _)) = of_files.iter().find(|(_, given)| *given) {
-            let text = format!("{flag}: only with a file (--scene FILE)");
+        self.not_a_file()?;
+        if self.time.is_some() {
+            let text = "--time: only with a scene in which something may move, not study";
             return Err(Failure::bad_input(text));
         }
         if self.camera.is_some() && self.look_at.is_none() {
@@ -166,14 +217,7 @@ impl SceneArgs {
         [period_s, scan_s]: [f64; 2],
         ctx: &Context,
     ) -> Result<Stage, Failure> {
-        if self.frame.is_some() {
-            return Err(Failure::bad_input("--frame: only with --scene study"));
-        }
-        let seconds = self.time.unwrap_or(0.0);
-        if !(0.0..=1e6).contains(&seconds) {
-            let text = format!("--time {seconds}: must be from 0 to 1000000 seconds");
-            return Err(Failure::bad_input(text));
-        }
+        let seconds = self.seconds()?;
         let up = match self.up {
             None | Some(Axis::Y) => Up::Y,
             Some(Axis::Z) => Up::Z,

@@ -14,7 +14,7 @@ use crate::{Interpolation, ModelError, unknown_name};
 /// | `SIGMA` | display pixels per sample along each side of the buffer, which is W/σ × H/σ; 0.25 to 100 |
 /// | `ALPHA` | the kernel's exponent: r = exp(L·(σu)^α); 0.01 to 100 |
 /// | `form=direct` (`direct`), `form=published` (`published`) | the scene is sampled at log-polar positions, or visibility is found at full resolution and only shading is log-polar |
-/// | `filter=bilinear`, `filter=nearest` | between samples |
+/// | `filter=bilinear`, `nearest`, `cubic`, `gather` | between samples (see [`Interpolation`]) |
 /// | `smooth` | a 3 × 3 Gaussian in the periphery: over samples that are larger than a pixel |
 /// | `mips` | the mean where several samples fall into a pixel |
 /// | `tracked`, `fixed`, `fixed=DEG` | whether it follows the gaze (see [`Aim`]) |
@@ -138,11 +138,7 @@ impl KernelSettings {
             Setting("form", Some(form)) => {
                 return Err(unknown_name("form", form, &["direct", "published"]));
             }
-            Setting("filter", Some("bilinear")) => self.interpolation = Interpolation::Bilinear,
-            Setting("filter", Some("nearest")) => self.interpolation = Interpolation::Nearest,
-            Setting("filter", Some(filter)) => {
-                return Err(unknown_name("filter", filter, &["bilinear", "nearest"]));
-            }
+            Setting("filter", Some(filter)) => self.interpolation = filter.parse()?,
             Setting("smooth", None) => self.smooth = true,
             Setting("mips", None) => self.mips = true,
             other => {
@@ -158,8 +154,8 @@ impl KernelSettings {
         if self.form == KernelForm::Published {
             f.write_str(":published")?;
         }
-        if self.interpolation == Interpolation::Nearest {
-            f.write_str(":filter=nearest")?;
+        if self.interpolation != Interpolation::default() {
+            write!(f, ":filter={}", self.interpolation.name())?;
         }
         if self.smooth {
             f.write_str(":smooth")?;

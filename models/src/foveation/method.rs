@@ -250,6 +250,7 @@ mod tests {
             ),
             ("lms:0.5:0.4:fixed", "lms:0.5:0.4:fixed"),
             ("radial:2", "radial:2"),
+            ("radial:2:mips:filter=cubic", "radial:2:filter=cubic:mips"),
             (
                 "radial:2.0:scale=1:reach=corner:filter=bilinear",
                 "radial:2",
@@ -257,6 +258,10 @@ mod tests {
             (
                 "radial:1.5:fixed:filter=nearest:reach=boundary:scale=0.7",
                 "radial:1.5:scale=0.7:boundary:filter=nearest:fixed",
+            ),
+            (
+                "lms:0.5:0.4:mips:fixed:filter=cubic:scale=2.50",
+                "lms:0.5:0.4:scale=2.5:filter=cubic:mips:fixed",
             ),
         ] {
             let method: Method = text.parse().unwrap();
@@ -370,7 +375,8 @@ mod tests {
             ("kfr:2:4:", "unknown setting of kfr ``"),
             ("kfr:2:4:publshed", "did you mean `published`?"),
             ("kfr:2:4:form=other", "unknown form `other`"),
-            ("kfr:2:4:filter=cubic", "unknown filter `cubic`"),
+            ("kfr:2:4:filter=quintic", "unknown filter `quintic`"),
+            ("lms:2:4:filter=gathr", "did you mean `gather`?"),
             ("kfr:2:4:smooth=1", "unknown setting of kfr `smooth=1`"),
             (
                 "efr:2",
@@ -385,6 +391,10 @@ mod tests {
             ("efr:2:3:alpha=0", "alpha = 0: must be a number from 0.01"),
             ("lms:1", "B of lms = : must be a number from 0 to 20"),
             ("lms:-1:0", "A of lms = -1"),
+            (
+                "lms:1:1:scale=0",
+                "scale of lms = 0: must be a number from 0.05",
+            ),
             ("lms:1:1:smooth", "unknown setting of lms `smooth`"),
             (
                 "radial",

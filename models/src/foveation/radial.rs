@@ -22,7 +22,8 @@ use crate::{
 /// | `K` | the exponent of d_u = R·(d_b/R)^K, distances from the gaze on the display and in the buffer; 1 to 16, 1 magnifies nothing |
 /// | `scale=S` | lattice steps per pixel of the buffer; 0.05 to 4 |
 /// | `reach=corner` (`corner`), `reach=boundary` (`boundary`) | the distance R on which buffer and display agree: the farthest corner, or the boundary in each direction (see [`Reach`]) |
-/// | `filter=bilinear`, `filter=nearest` | between samples |
+/// | `filter=bilinear`, `nearest`, `cubic`, `gather` | between samples (see [`Interpolation`]) |
+/// | `mips` | the mean where several samples fall into a pixel |
 /// | `tracked`, `fixed`, `fixed=DEG` | whether it follows the gaze (see [`Aim`]) |
 ///
 /// A buffer as large as the display (S = 1) saves nothing: it has a pixel's samples for each pixel, and more of
@@ -38,6 +39,8 @@ pub struct RadialSettings {
     pub reach: Reach,
     /// Between samples.
     pub interpolation: Interpolation,
+    /// Whether several samples in a pixel are averaged.
+    pub mips: bool,
     aim: Aim,
 }
 
@@ -55,6 +58,7 @@ impl RadialSettings {
             scale: 1.0,
             reach: Reach::Corner,
             interpolation: Interpolation::Bilinear,
+            mips: false,
             aim: Aim::Tracked,
         })
     }
@@ -120,7 +124,7 @@ impl RadialSettings {
             resolve: Resolve::Inverse(Filter {
                 interpolation: self.interpolation,
                 smooth_from: None,
-                mips: false,
+                mips: self.mips,
             }),
             ..full
         })
@@ -174,7 +178,7 @@ impl FromStr for RadialSettings {
 
     /// Reads what follows `radial:`.
     fn from_str(text: &str) -> Result<Self, ModelError> {
-        const OWN: [&str; 5] = ["scale=", "reach=", "corner", "boundary", "filter="];
+        const OWN: [&str; 6] = ["scale=", "reach=", "corner", "boundary", "filter=", "mips"];
         let mut parts = settings(text);
         let k = number("exponent of radial", parts.next(), EXPONENT, "radial:2")?;
         let mut read = Self::new(k)?;
@@ -194,13 +198,8 @@ impl FromStr for RadialSettings {
                 Setting("reach", Some(reach)) => {
                     return Err(unknown_name("reach", reach, &["corner", "boundary"]));
                 }
-                Setting("filter", Some("bilinear")) => {
-                    read.interpolation = Interpolation::Bilinear;
-                }
-                Setting("filter", Some("nearest")) => read.interpolation = Interpolation::Nearest,
-                Setting("filter", Some(filter)) => {
-                    return Err(unknown_name("filter", filter, &["bilinear", "nearest"]));
-                }
+                Setting("filter", Some(filter)) => read.interpolation = filter.parse()?,
+                Setting("mips", None) => read.mips = true,
                 other => read.aim = other.aim("setting of radial", &OWN)?,
             }
         }
@@ -223,8 +222,11 @@ impl fmt::Display for RadialSettings {
             Reach::Boundary => f.write_str(":boundary")?,
             Reach::Px(px) => write!(f, ":reach={px}px")?,
         }
-        if self.interpolation == Interpolation::Nearest {
-            f.write_str(":filter=nearest")?;
+        if self.interpolation != Interpolation::default() {
+            write!(f, ":filter={}", self.interpolation.name())?;
+        }
+        if self.mips {
+            f.write_str(":mips")?;
         }
         fmt::Display::fmt(&self.aim, f)
     }

@@ -1,21 +1,22 @@
 use glam::{DMat2, DVec2};
 
 use crate::ModelError;
-use crate::error::in_range;
+use crate::error::{above, in_range};
 
 /// Lens-matched shading: in each of four quadrants about a centre, clip space is warped by
 /// w′ = w + A·|x| + B·|y| before the perspective divide (NVIDIA's Lens Matched Shading; Friston 2019, §6).
 /// Lines stay lines within a quadrant, and the quadrants meet without a gap:
 ///
-/// lattice − c = d / (1 + a·|d_x| + b·|d_y|), d = display − centre,
-/// display − centre = l / (1 − a·|l_x| − b·|l_y|), l = lattice − c.
+/// lattice − c = S·d / (1 + a·|d_x| + b·|d_y|), d = display − centre,
+/// display − centre = l / (1 − a·|l_x| − b·|l_y|), l = (lattice − c)/S.
 ///
-/// At the centre a lattice step is a pixel.
+/// At the centre there are S lattice steps to the pixel: 1, unless [scaled](LensMatched::scaled).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LensMatched {
     centre_px: DVec2,
     centre: DVec2,
     growth: DVec2,
+    scale: f64,
 }
 
 /// What is left of w from where on a place counts as this far away: it is never on a display.
@@ -38,7 +39,22 @@ impl LensMatched {
             centre_px,
             centre,
             growth,
+            scale: 1.0,
         })
+    }
+
+    /// The same with `scale` lattice steps to the pixel at the centre.
+    ///
+    /// # Errors
+    /// If the scale is not above 0 and at most 64.
+    pub fn scaled(self, scale: f64) -> Result<Self, ModelError> {
+        let scale = above("scale of a lens-matched map", scale, 0.0, 64.0)?;
+        Ok(Self { scale, ..self })
+    }
+
+    /// Lattice steps to the pixel at the centre.
+    pub fn scale(&self) -> f64 {
+        self.scale
     }
 
     /// The display position where the quadrants meet.
@@ -58,25 +74,25 @@ impl LensMatched {
 
     /// Lattice position to display pixels. Positions beyond the horizon of a quadrant are very far away.
     pub fn display_from_lattice(&self, p: DVec2) -> DVec2 {
-        let l = p - self.centre;
+        let l = (p - self.centre) / self.scale;
         self.centre_px + l / self.remaining(l)
     }
 
     /// Display pixels to lattice position.
     pub fn lattice_from_display(&self, p: DVec2) -> DVec2 {
         let d = p - self.centre_px;
-        self.centre + d / (1.0 + self.growth.dot(d.abs()))
+        self.centre + d / (1.0 + self.growth.dot(d.abs())) * self.scale
     }
 
     /// Display pixels per lattice step (see [`Map::steps`](super::Map::steps)).
     pub fn steps(&self, p: DVec2) -> DMat2 {
-        let l = p - self.centre;
+        let l = (p - self.centre) / self.scale;
         let w = self.remaining(l);
         let slope = self.growth * DVec2::new(1f64.copysign(l.x), 1f64.copysign(l.y));
         // d(l/w) = dl/w + l·(slope · dl)/w².
         DMat2::from_cols(
-            (DVec2::X + l * slope.x / w) / w,
-            (DVec2::Y + l * slope.y / w) / w,
+            (DVec2::X + l * slope.x / w) / w / self.scale,
+            (DVec2::Y + l * slope.y / w) / w / self.scale,
         )
     }
 
@@ -99,14 +115,18 @@ mod tests {
 
     proptest! {
         #[test]
-        fn the_inverse_inverts(x in -100.0f64..1400.0, y in -100.0f64..1500.0) {
+        fn the_inverse_inverts(x in -100.0f64..1400.0, y in -100.0f64..1500.0, scale in 0.3f64..4.0) {
             let p = DVec2::new(x, y);
-            let lattice = map().lattice_from_display(p);
-            prop_assert!(map().display_from_lattice(lattice).distance(p) < 1e-9);
+            let map = map().scaled(scale).unwrap();
+            let lattice = map.lattice_from_display(p);
+            prop_assert!(map.display_from_lattice(lattice).distance(p) < 1e-9);
         }
 
         #[test]
-        fn steps_are_the_derivative(x in 1.0f64..200.0, y in 1.0f64..200.0, left: bool, up: bool) {
+        fn steps_are_the_derivative(
+            x in 1.0f64..200.0, y in 1.0f64..200.0, left: bool, up: bool, scale in 0.9f64..4.0,
+        ) {
+            let map = || map().scaled(scale).unwrap();
             let l = DVec2::new(if left { -x } else { x }, if up { -y } else { y });
             let (p, h) = (map().centre() + l, 1e-4);
             let step = |d: DVec2| {
@@ -120,6 +140,7 @@ mod tests {
 
     #[test]
     fn a_step_is_a_pixel_at_the_centre() {
+        assert!(map().scaled(0.0).is_err() && map().scaled(f64::NAN).is_err());
         let at = map().steps(map().centre());
         assert_eq!(at, DMat2::IDENTITY);
         assert!(map().display_from_lattice(DVec2::splat(1e5)).is_finite());

@@ -112,15 +112,15 @@ fn distances(from: DVec2, polygon: &Polygon) -> Option<[f64; 2]> {
 }
 
 /// Columns of row `y` of warped quadrants, from left to right. In lattice steps from the centre a quadrant's
-/// part of the display is bounded by two lines, x ≤ X·(1 − b·y)/(1 + a·X) and a·x ≤ 1 − y·(1/Y + b), for X
+/// part of the display, unscaled, is bounded by two lines, x ≤ X·(1 − b·y)/(1 + a·X) and a·x ≤ 1 − y·(1/Y + b), for X
 /// and Y the pixels from the centre to the display's edge; both recede outwards, so the side of the row
 /// nearest the centre reaches farthest.
 fn warped_span(map: &LensMatched, display: UVec2, y: u32) -> Range<u32> {
-    let (centre, growth) = (map.centre(), map.growth());
+    let (centre, growth, scale) = (map.centre(), map.growth(), map.scale());
     let after = display.as_dvec2() - map.centre_px();
     let (below, inner) = (f64::from(y) + 0.5 > centre.y, {
         let [top, bottom] = [f64::from(y) - centre.y, f64::from(y + 1) - centre.y];
-        top.max(-bottom).max(0.0)
+        top.max(-bottom).max(0.0) / scale
     });
     let height = if below { after.y } else { map.centre_px().y };
     // Where the row begins beyond the display's edge over the centre, it does so everywhere.
@@ -130,7 +130,7 @@ fn warped_span(map: &LensMatched, display: UVec2, y: u32) -> Range<u32> {
     let reach = |width: f64| {
         let side = width * (1.0 - growth.y * inner) / (1.0 + growth.x * width);
         let end = (1.0 - inner * (1.0 / height + growth.y)) / growth.x;
-        if growth.x > 0.0 { side.min(end) } else { side }
+        scale * if growth.x > 0.0 { side.min(end) } else { side }
     };
     let (left, right) = (reach(map.centre_px().x), reach(after.x));
     let first = (centre.x - left + TOUCH).floor().max(0.0);
@@ -244,15 +244,17 @@ mod tests {
         #[test]
         fn quadrants_on_the_display(
             w in 1u32..40, h in 1u32..40, gx in 0.0f64..1.0, gy in 0.0f64..1.0, a in 0.0f64..3.0, b in 0.0f64..3.0,
+            scale in 0.3f64..3.0, scaled: bool,
         ) {
             let display = UVec2::new(w, h);
             let size = display.as_dvec2();
             let gaze = (DVec2::new(gx, gy) * size).round();
             let growth = DVec2::new(a, b) * 2.0 / size;
-            let steps = |far: DVec2| (far / (1.0 + growth * far)).ceil();
+            let scale = if scaled { scale } else { 1.0 };
+            let steps = |far: DVec2| (far / (1.0 + growth * far) * scale).ceil();
             let centre = steps(gaze);
             let lattice = (centre + steps(size - gaze)).as_uvec2();
-            let map = LensMatched::new(gaze, centre, growth).unwrap();
+            let map = LensMatched::new(gaze, centre, growth).unwrap().scaled(scale).unwrap();
             check(&Map::LensMatched(map), lattice, display)?;
         }
     }

@@ -118,6 +118,11 @@ impl Radial {
         self.reach
     }
 
+    /// The reach in pixels of all directions; to the farthest corner for [`Reach::Boundary`], which differs by direction.
+    pub fn reach_px(&self) -> f64 {
+        self.radius
+    }
+
     /// Lattice steps per pixel of the buffer.
     pub fn scale(&self) -> f64 {
         self.scale

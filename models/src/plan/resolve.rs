@@ -1,4 +1,8 @@
+use std::str::FromStr;
+
 use glam::DVec3;
+
+use crate::{ModelError, unknown_name};
 
 /// How passes become the displayed image.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,8 +30,9 @@ pub struct Filter {
     /// Against flicker and stair-steps in the periphery: from this lattice column on, samples are first
     /// smoothed with their neighbours by the 3 × 3 Gaussian (1 2 1)·(1 2 1)/16.
     pub smooth_from: Option<u32>,
-    /// Where several samples fall into a pixel it is their mean (from a mip chain of the lattice, by how
-    /// many along each axis) instead of what lies at its middle.
+    /// Where several samples fall into a pixel it is their mean instead of what lies at its middle: of a log-polar
+    /// lattice by how many there are along each axis, of a radial one from a chain of halved copies, linearly between
+    /// the two whose samples lie just closer than pixels and just farther apart.
     pub mips: bool,
 }
 
@@ -39,6 +44,38 @@ pub enum Interpolation {
     /// The four around it, bilinearly.
     #[default]
     Bilinear,
+    /// The sixteen around it by Catmull-Rom weights (Keys 1981), no less than zero; bilinearly where one of them is not
+    /// live. Linear in lattice position where the samples are.
+    Cubic,
+    /// Those near it on the display, by where on the display they are (Friston 2019, §3.1.1): a kernel as wide as a
+    /// pixel, or as the samples' spacing where that is more, along each direction. What `mips` and `smooth_from` are for
+    /// is part of it.
+    Gather,
+}
+
+impl Interpolation {
+    /// All of them.
+    pub const ALL: [Self; 4] = [Self::Nearest, Self::Bilinear, Self::Cubic, Self::Gather];
+
+    /// As users write it.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Nearest => "nearest",
+            Self::Bilinear => "bilinear",
+            Self::Cubic => "cubic",
+            Self::Gather => "gather",
+        }
+    }
+}
+
+impl FromStr for Interpolation {
+    type Err = ModelError;
+
+    /// Reads a [name](Interpolation::name).
+    fn from_str(text: &str) -> Result<Self, ModelError> {
+        let found = Self::ALL.into_iter().find(|i| i.name() == text);
+        found.ok_or_else(|| unknown_name("filter", text, &Self::ALL.map(Self::name)))
+    }
 }
 
 /// Circular blending masks about the gaze (Guenter 2012, Fig. 3), measured by the tangent of

@@ -120,7 +120,7 @@ fn texel_angle(size: u32) -> f64 {
 }
 
 /// The unit direction of a texel's middle.
-fn direction(size: u32, i: u32, j: u32) -> DVec3 {
+pub(crate) fn direction(size: u32, i: u32, j: u32) -> DVec3 {
     let middle = |k: u32| (2.0 * f64::from(k) + 1.0) / f64::from(size) - 1.0;
     let (u, v) = (middle(i), middle(j));
     let (p, q) = ((u + v) / 2.0, (u - v) / 2.0);

@@ -3,18 +3,20 @@
 //! A [`Scene`] is meshes, instances of them, materials, a sky and a sun. Everything in it has been
 //! checked when it is built, so that a renderer never meets an index out of range or a NaN vertex.
 //! [`study_scene`] generates the scene of Guenter et al. 2012, §5; [`study_camera`] flies through it
-//! and [`StudyGaze`] looks at what comes nearest. [`load_scene`] reads OBJ, glTF, GLB, PLY and STL files.
+//! and [`StudyGaze`] looks at what comes nearest; [`GeneratedScene`] names it and others. [`load_scene`] reads OBJ, glTF, GLB, PLY and STL files.
 //!
 //! A [`Volume`] is values on a lattice in space, a [`TransferFunction`] says how they look;
 //! [`GeneratedVolume`] are computed ones, [`load_volume`] reads files.
 //!
 //! # Simplifications
 //!
-//! Instances move rigidly; no normal maps and no transparency; one sun, no shadows.
+//! Instances move rigidly; no normal maps and no transparency; one sun.
 
 mod atmosphere;
 mod camera;
 mod environment;
+mod generated;
+mod irradiance;
 mod load;
 mod lod;
 mod material;
@@ -34,6 +36,8 @@ mod volume;
 
 pub use camera::{framing, look_at};
 pub use environment::EnvironmentMap;
+pub use generated::GeneratedScene;
+pub use irradiance::Irradiance;
 pub use load::{
     Format, LoadError, LoadOptions, Loaded, NoSideFiles, SideFiles, Up, load_bytes, load_scene,
 };

@@ -2,8 +2,8 @@
 
 use foveasim_assets::Scene;
 use foveasim_models::{
-    Affine, Lattice, Map, Msaa, Pass, Pose, Region, Resolve, SamplePlan, Shading, View, Viewport,
-    Visibility,
+    Affine, Interpolation, Lattice, Map, Msaa, Pass, Pose, Region, Resolve, SamplePlan, Shading,
+    View, Viewport, Visibility,
 };
 use glam::UVec2;
 
@@ -347,6 +347,12 @@ fn check_resolve(plan: &SamplePlan) -> Result<(), String> {
             None => Ok(()),
             Some(px) => Err(format!("no pass has a live sample at pixel {px}")),
         },
+        Resolve::Inverse(filter)
+            if filter.interpolation == Interpolation::Gather
+                && (filter.mips || filter.smooth_from.is_some()) =>
+        {
+            Err("gathering reads samples as they are: neither mips nor smoothed ones".into())
+        }
         Resolve::Inverse(_) => match plan.passes.last() {
             Some(last) if last.shading == Shading::Nowhere => {
                 Err("its last pass is not shaded".into())

@@ -3,7 +3,10 @@ use glam::{DVec2, UVec2};
 use rayon::prelude::*;
 
 use crate::Simd;
-use crate::kernels::{FetchRow, LocateRow, PolarInverse, dispatch};
+use crate::gather::Gather;
+use crate::kernels::{
+    FetchMips, FetchRow, LocateRadialRow, LocateRow, PolarInverse, RadialInverse, WIDTH, dispatch,
+};
 use crate::live::grid;
 use crate::texels::{Stretch, Texels};
 
@@ -22,67 +25,168 @@ pub(crate) fn invert(
     if let Some(first) = filter.smooth_from {
         texels = texels.smoothed(first);
     }
-    let inverse = match &pass.map {
-        Map::LogPolar(map) => Some(PolarInverse::new(map)),
-        _ => None,
-    };
+    if filter.interpolation == Interpolation::Gather {
+        let gather = Gather::new(&pass.map, &texels);
+        return by_rows(plan.display_px, |(): &mut (), y, row| gather.row(y, row));
+    }
+    let inverse = Inverse::new(&pass.map, plan.display_px);
     let finer = match &pass.map {
         Map::LogPolar(map) if filter.mips => Finer::new(map, grid(pass)),
         _ => None,
     };
-    let size = plan.display_px;
+    let most = match finer {
+        None if filter.mips => inverse.densest(),
+        _ => 1.0,
+    };
+    let levels = texels.chain(most);
+    by_rows(plan.display_px, |scratch: &mut Scratch, y, row| {
+        let places = inverse.row(simd, y, row.len(), scratch);
+        let read = match filter.interpolation {
+            Interpolation::Nearest => 1,
+            Interpolation::Cubic => 16,
+            _ => 4,
+        };
+        let [xs, ys, density] = places;
+        let mut fetches = if levels.len() > 1 || filter.interpolation == Interpolation::Cubic {
+            let kernel = FetchMips {
+                levels: &levels,
+                interpolation: filter.interpolation,
+                xs,
+                ys,
+                density,
+                row,
+            };
+            dispatch(simd, kernel)
+        } else {
+            let kernel = FetchRow {
+                texels: &levels[0],
+                nearest: filter.interpolation == Interpolation::Nearest,
+                xs,
+                ys,
+                row,
+            };
+            dispatch(simd, kernel)
+        };
+        if let Some(finer) = &finer {
+            fetches = fetches.saturating_add_signed(finer.average(&levels[0], y, row, read));
+        }
+        Work {
+            pixels_resolved: row.len() as u64,
+            resolve_fetches: fetches,
+            ..Work::default()
+        }
+    })
+}
+
+/// An image whose rows `fill` makes, each by its number.
+fn by_rows<T: Default>(
+    size: UVec2,
+    fill: impl Fn(&mut T, u32, &mut [[f32; 3]]) -> Work + Sync,
+) -> (Image, Work) {
     let mut out = Image::filled(size, [0.0; 3]);
     let works: Vec<Work> = out
         .rgb
         .par_chunks_mut(size.x as usize)
         .enumerate()
-        .map_init(Vec::<f32>::new, |scratch, (y, row)| {
-            let y = y as u32;
-            let length = row.len().next_multiple_of(16);
-            scratch.resize(2 * length, 0.0);
-            let (xs, ys) = scratch.split_at_mut(length);
-            match &inverse {
-                Some(inverse) => {
-                    let kernel = LocateRow {
-                        inverse,
-                        y,
-                        x_out: xs,
-                        y_out: ys,
-                    };
-                    dispatch(simd, kernel);
-                }
-                None => {
-                    for (x, (x_out, y_out)) in xs.iter_mut().zip(ys.iter_mut()).enumerate() {
-                        let px = DVec2::new(x as f64 + 0.5, f64::from(y) + 0.5);
-                        let at = pass.map.lattice_from_display(px);
-                        (*x_out, *y_out) = (at.x as f32, at.y as f32);
-                    }
-                }
-            }
-            let nearest = filter.interpolation == Interpolation::Nearest;
-            let kernel = FetchRow {
-                texels: &texels,
-                nearest,
-                xs,
-                ys,
-                row,
-            };
-            let mut fetches = dispatch(simd, kernel);
-            if let Some(finer) = &finer {
-                fetches += finer.average(&texels, y, row, if nearest { 1 } else { 4 });
-            }
-            Work {
-                pixels_resolved: row.len() as u64,
-                resolve_fetches: fetches,
-                ..Work::default()
-            }
-        })
+        .map_init(T::default, |scratch, (y, row)| fill(scratch, y as u32, row))
         .collect();
     let mut work = Work::default();
     for row in works {
         work += row;
     }
     (out, work)
+}
+
+/// Memory of a thread: x, y and density of a row's pixels in the lattice.
+type Scratch = [Vec<f32>; 3];
+
+/// How pixels are looked up.
+enum Inverse<'a> {
+    Polar(PolarInverse),
+    Radial(RadialInverse),
+    /// One by one in double precision.
+    Exact(&'a Map),
+}
+
+impl<'a> Inverse<'a> {
+    fn new(map: &'a Map, display: UVec2) -> Self {
+        match map {
+            Map::LogPolar(map) => Self::Polar(PolarInverse::new(map)),
+            Map::Radial(radial) => match RadialInverse::new(radial, display) {
+                Some(inverse) => Self::Radial(inverse),
+                None => Self::Exact(map),
+            },
+            _ => Self::Exact(map),
+        }
+    }
+
+    /// More samples than so many are in no pixel's length; 1 where that is answered otherwise.
+    fn densest(&self) -> f32 {
+        match self {
+            // Beyond that, a pixel about the gaze is one texel.
+            Self::Radial(_) => 1024.0,
+            Self::Exact(Map::Radial(_)) => 1024.0,
+            Self::Exact(map @ Map::Affine(_)) => density(map, DVec2::ZERO),
+            Self::Exact(Map::LensMatched(map)) => map.scale() as f32,
+            Self::Polar(_) | Self::Exact(_) => 1.0,
+        }
+    }
+
+    /// Places and density of the pixels of a row.
+    fn row<'s>(
+        &self,
+        simd: Simd,
+        y: u32,
+        width: usize,
+        scratch: &'s mut Scratch,
+    ) -> [&'s [f32]; 3] {
+        let length = width.next_multiple_of(WIDTH);
+        for room in scratch.iter_mut() {
+            room.resize(length, 0.0);
+        }
+        let [xs, ys, densities] = scratch;
+        match self {
+            Self::Polar(inverse) => {
+                let kernel = LocateRow {
+                    inverse,
+                    y,
+                    x_out: xs,
+                    y_out: ys,
+                };
+                dispatch(simd, kernel);
+            }
+            Self::Radial(inverse) => {
+                let kernel = LocateRadialRow {
+                    inverse,
+                    y,
+                    x_out: xs,
+                    y_out: ys,
+                    density: densities,
+                };
+                dispatch(simd, kernel);
+            }
+            Self::Exact(map) => {
+                let places = xs.iter_mut().zip(ys.iter_mut()).zip(densities.iter_mut());
+                for (x, ((x_out, y_out), dense)) in places.enumerate() {
+                    let px = DVec2::new(x as f64 + 0.5, f64::from(y) + 0.5);
+                    let at = map.lattice_from_display(px);
+                    (*x_out, *y_out) = (at.x as f32, at.y as f32);
+                    *dense = match map {
+                        Map::LogPolar(_) => 1.0,
+                        _ => density(map, at),
+                    };
+                }
+            }
+        }
+        [xs, ys, densities]
+    }
+}
+
+/// Samples in a pixel's length, along the axis of the lattice that has more.
+fn density(map: &Map, at: DVec2) -> f32 {
+    let steps = map.steps(at);
+    let shortest = steps.x_axis.length().min(steps.y_axis.length());
+    (1.0 / shortest) as f32
 }
 
 /// Where several samples of a log-polar lattice fall into a pixel.
@@ -114,7 +218,7 @@ impl<'a> Finer<'a> {
     ///
     /// A pixel reaches half a pixel to either side along the radius and across it. What a mip chain would
     /// approximate is exact here, and costs no more than each sample about once.
-    fn average(&self, texels: &Texels, y: u32, row: &mut [[f32; 3]], read: u64) -> u64 {
+    fn average(&self, texels: &Texels, y: u32, row: &mut [[f32; 3]], read: i64) -> i64 {
         let gaze = self.map.gaze_px();
         let dy = f64::from(y) + 0.5 - gaze.y;
         if dy.abs() > self.reach {
@@ -149,8 +253,8 @@ impl<'a> Finer<'a> {
                 // The rows whose middles are nearest to the pixel's.
                 count => Stretch::Run((at.y - 0.5 * f64::from(rows)).round() as i64, count),
             };
-            // In place of those that were read there: never more than four.
-            fetches += across.count() * down.count() - read;
+            // In place of those that were read there.
+            fetches += (across.count() * down.count()) as i64 - read;
             *out = texels.mean(own, across, down);
         }
         fetches

@@ -36,7 +36,8 @@
 //! * Passes whose samples do not lie evenly have no history in a [`Sequence`].
 //! * [`render`] draws every pass afresh, whatever its cadence; a [`Sequence`] knows what the frames before
 //!   have drawn.
-//! * One sun and a sky, no shadows, transparency or normal maps.
+//! * One sun and a sky, no transparency or normal maps; shadows where [`Lighting`] asks for them.
+//! * [`GridWarp`] moves a drawn image instead of drawing it anew: a baseline.
 //! * With MSAA, a surface is shaded in the middle of its sample even where it is seen only beside it.
 //! * Motion is that of cameras and rigid instances. What a material shows is taken not to move on it, so
 //!   reflections are found again where the surface is, not where they are.
@@ -55,13 +56,16 @@ mod error;
 mod feather;
 mod fragments;
 mod frame;
+mod gather;
 mod group;
 mod inverse;
 mod kernels;
+mod lighting;
 mod live;
 mod mosaic;
 mod moving;
 mod msaa;
+mod occlusion;
 mod options;
 mod pass;
 mod passes;
@@ -70,6 +74,7 @@ mod placement;
 mod project;
 mod raster;
 mod resolve;
+mod shadow;
 mod shared;
 mod stereo;
 mod temporal;
@@ -77,13 +82,16 @@ mod texels;
 mod tile;
 mod trace;
 mod visible;
+mod warp;
 
 pub use chromatic::separate_colours;
 pub use error::RenderError;
 pub use frame::{Frame, assemble, render, render_into};
+pub use lighting::{Focus, Lighting, Occlusion, Shadows};
 pub use moving::{Bound, BoundCounts, TriangleCount, bound_counts, sample_looks};
 pub use options::{RenderOptions, Simd, Skip};
 pub use pass::{Surfel, visibility, visibility_at};
 pub use stereo::{StereoFrame, StereoShared, render_stereo};
 pub use temporal::{Clamp, Interpolation, Sequence, TemporalOptions, jitter};
 pub use trace::trace;
+pub use warp::{GridWarp, Seen, Warped, inverse_depths};

@@ -5,10 +5,10 @@ use foveasim_models::{ModelError, unknown_name};
 
 pub use foveasim_lanes::Instructions as Simd;
 
-use crate::{Bound, RenderError};
+use crate::{Bound, Lighting, RenderError};
 
-/// How to draw. Nothing here but `near_m`, `lod`, `lod_error`, `footprint`, `skip.back_faces`, `bound` and `rolling_shading`
-/// changes the picture. Made by changing the default:
+/// How to draw. Nothing here but `near_m`, `lod`, `lod_error`, `footprint`, `lighting`, `skip.back_faces`, `bound` and
+/// `rolling_shading` changes the picture. Made by changing the default:
 /// `RenderOptions { simd, ..RenderOptions::default() }`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct RenderOptions {
@@ -27,6 +27,8 @@ pub struct RenderOptions {
     /// Over how much of what it stands for a sample's shading averages, along each side: 1 is all. Below 1
     /// there is more detail and more aliasing, as with a negative mip bias: 1/16 to 4.
     pub footprint: f64,
+    /// Light beyond a sun and an even sky.
+    pub lighting: Lighting,
     /// What is left out because the picture does not need it.
     pub skip: Skip,
     /// Which bound finds the samples to be tested of moving triangles. Without one, passes of which nothing moves and no lens
@@ -154,6 +156,7 @@ impl Default for RenderOptions {
             lod: LodRule::default(),
             lod_error: Detail::ERROR_SAMPLES,
             footprint: 1.0,
+            lighting: Lighting::default(),
             skip: Skip::ALL,
             bound: None,
             rolling_shading: true,
@@ -179,7 +182,7 @@ impl RenderOptions {
         if !(0.0625..=4.0).contains(&self.footprint) {
             return out_of_range("footprint", self.footprint, "from 1/16 to 4 samples");
         }
-        Ok(())
+        self.lighting.check()
     }
 }
 

@@ -24,6 +24,7 @@ use crate::moving::{
     set_up_moving,
 };
 use crate::msaa::offsets;
+use crate::occlusion::occlude;
 use crate::placed::PlacedTile;
 use crate::placement::Placement;
 use crate::project::{Projection, SUBSAMPLES};
@@ -31,6 +32,7 @@ use crate::raster::{
     EyeVertex, Needs, PassTriangles, SetUp, SetUpTriangle, ViewGeometry, attributes, details,
     set_up, vertices, vertices_at_end,
 };
+use crate::shadow::Illumination;
 use crate::shared::{LookUp, SharedVisibility};
 use crate::tile::{
     BLOCK, LANES, LaneSet, SampleTile, TILE, TILE_SAMPLES, TileBuffers, position_of, sampled,
@@ -96,6 +98,7 @@ pub(crate) fn draw(
     options: &RenderOptions,
     keep_geometry: bool,
     shared: Option<&SharedVisibility>,
+    illumination: &Illumination,
     memory: PassMemory,
 ) -> (PassSamples, Work) {
     let pass = &plan.passes[index];
@@ -113,7 +116,8 @@ pub(crate) fn draw(
     }
     let drawing = Drawing::new(scene, view, plan, index, geometry, objects, options, shared);
     let all_drawn = drawing.live.is_all();
-    let kept = count * usize::from(keep_geometry);
+    let occlusion = options.lighting.occlusion;
+    let kept = count * usize::from(keep_geometry || occlusion.is_some());
     let mut samples = PassSamples {
         image: Image {
             size,
@@ -124,7 +128,8 @@ pub(crate) fn draw(
         all_drawn,
     };
     let context = ShadeContext::new(scene, view.poses[0], &drawing.projection, options.footprint)
-        .with_rolling(drawing.rolling(view));
+        .with_rolling(drawing.rolling(view))
+        .with_illumination(illumination);
     let mut work = drawing.work;
     work.passes = 1;
 
@@ -167,6 +172,12 @@ pub(crate) fn draw(
         .collect();
     for tile in works {
         work += tile;
+    }
+    if let Some(occlusion) = occlusion {
+        work += occlude(&mut samples, pass, view, occlusion);
+        if !keep_geometry {
+            (samples.inverse_w, samples.instance) = (Vec::new(), Vec::new());
+        }
     }
     (samples, work)
 }

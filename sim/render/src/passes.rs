@@ -4,6 +4,7 @@ use foveasim_models::{SamplePlan, Shading, View, Visibility, Work};
 use crate::RenderOptions;
 use crate::pass::{PassMemory, PassSamples, draw, find_shared};
 use crate::raster::ViewGeometry;
+use crate::shadow::Illumination;
 use crate::shared::SharedVisibility;
 use crate::visible::{PassObjects, geometry};
 
@@ -84,6 +85,7 @@ pub(crate) fn draw_objects(
         .repeated_vertices
         .then(|| geometry(&PassObjects::all(objects.iter().flatten())));
     let mut found: Vec<Option<SharedVisibility>> = objects.iter().map(|_| None).collect();
+    let illumination = Illumination::new(scene, view, options);
     let mut memory = memory.into_iter();
     let passes = objects.iter().enumerate().map(|(k, objects)| {
         let memory = memory.next().unwrap_or_default();
@@ -115,6 +117,7 @@ pub(crate) fn draw_objects(
                 options,
                 keep_geometry,
                 seen,
+                &illumination,
                 memory,
             )
         };
@@ -123,8 +126,13 @@ pub(crate) fn draw_objects(
         }
         Some((samples, work))
     });
+    let passes = passes.collect();
+    let mut work = illumination.work;
+    if let Some(geometry) = &shared {
+        work += geometry.work;
+    }
     Drawn {
-        passes: passes.collect(),
-        shared: shared.as_ref().map_or(Work::default(), |g| g.work),
+        passes,
+        shared: work,
     }
 }

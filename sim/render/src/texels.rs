@@ -55,6 +55,59 @@ impl Texels {
         self.rgba[y as usize * self.size.x as usize + x as usize]
     }
 
+    /// The texel at a place that may lie beyond the lattice.
+    #[inline(always)]
+    pub(crate) fn near(&self, x: i64, y: i64) -> [f32; 4] {
+        let column = x.clamp(0, i64::from(self.size.x) - 1);
+        self.at(column as u32, self.row_at(y))
+    }
+
+    /// These, and halved copies down to where `density` samples of the first have become one along each side, or to
+    /// one texel.
+    pub(crate) fn chain(self, density: f32) -> Vec<Self> {
+        let mut levels = vec![self];
+        let mut left = density;
+        while left > 1.0 {
+            let last = &levels[levels.len() - 1];
+            if last.size.max_element() <= 1 {
+                break;
+            }
+            let half = last.halved();
+            levels.push(half);
+            left /= 2.0;
+        }
+        levels
+    }
+
+    /// Means of the live ones of two by two texels; a last row or column may stand alone.
+    fn halved(&self) -> Self {
+        let size = (self.size + 1) / 2;
+        let mut rgba = vec![[0.0; 4]; size.x as usize * size.y as usize];
+        let rows = rgba.par_chunks_mut(size.x.max(1) as usize).enumerate();
+        rows.for_each(|(y, row)| {
+            for (x, out) in row.iter_mut().enumerate() {
+                let (x, y) = (2 * x as u32, 2 * y as u32);
+                let ends = (self.size - 1).min(UVec2::new(x + 1, y + 1));
+                let of = [(x, y), (ends.x, y), (x, ends.y), (ends.x, ends.y)];
+                let of = of.map(|(x, y)| self.at(x, y));
+                let Some(own) = of.into_iter().find(|t| t[3] != 0.0) else {
+                    continue;
+                };
+                let mut sum = Sum::around(own);
+                for texel in of {
+                    sum.add(texel, 1.0);
+                }
+                let [r, g, b] = sum.mean();
+                *out = [r, g, b, 1.0];
+            }
+        });
+        Self {
+            size,
+            wraps: self.wraps,
+            rgba,
+        }
+    }
+
     /// The texels from column `first` on smoothed by (1 2 1)·(1 2 1)/16, of live neighbours only.
     pub(crate) fn smoothed(&self, first: u32) -> Self {
         let mut rgba = self.rgba.clone();

@@ -8,3 +8,4 @@ mod times;
 pub use errors::{KernelErrorRow, KernelErrors, KernelRing};
 pub use report::KernelMeasured;
 pub use times::{KernelTimeRow, KernelTimes, KernelTimings};
+pub(crate) use times::{median, one_colour};

@@ -14,7 +14,7 @@
 //! * [`MaskReport`]: what there is to say of a sampling mask;
 //! * [`KernelTimes`], [`KernelErrors`]: what kernel foveated rendering pays in time and costs in error;
 //! * [`StressStudy`]: closed forms and kernels over extreme inputs;
-//! * [`Guenter2012`], [`Meng2020`], [`Bruder2019`]: a paper's tables and figures, ours beside theirs;
+//! * [`Guenter2012`], [`Meng2020`], [`Friston2019`], [`Bruder2019`]: a paper's tables and figures, ours beside theirs;
 //! * [`Scenario`] and [`run()`]: all of it, in one report.
 
 mod calibrate;
@@ -68,10 +68,11 @@ pub use replay::{
 };
 pub use reproduce::{
     Antialiasing, Bruder2019, Bruder2019Outcome, BruderErrors, BruderFound, BruderMasks,
-    BruderRing, BruderRow, BruderTimes, BruderVolume, Column, DominanceFit, Fig7User, Guenter2012,
-    Guenter2012Outcome, LatencyBars, LatencyRow, Meng2020, Payoff, PayoffRow, Predicted,
-    PredictedRow, QualityRow, QualitySweep, ReproduceError, Stein2021, SteinRow, Table1,
-    Table1Cell, TimeFit, Times, UserSigmas,
+    BruderRing, BruderRow, BruderTimes, BruderVolume, Column, DominanceFit, Family, Fig7User,
+    FoveatedRow, FoveatedWay, Friston2019, Friston2019Outcome, Guenter2012, Guenter2012Outcome,
+    HeadRow, LatencyBars, LatencyRow, Meng2020, Payoff, PayoffRow, Predicted, PredictedRow,
+    QualityRow, QualitySweep, ReproduceError, ResolutionRow, RollingRow, RollingWay, ShadowRow,
+    Stein2021, SteinRow, StrengthRow, Table1, Table1Cell, TimeFit, Times, UserSigmas,
 };
 pub use run::{
     MARGIN_TOLERANCE_DEG, MOMENT_PICTURES, MarginLoop, MarginStep, MethodSaving, Moment, PlanCost,

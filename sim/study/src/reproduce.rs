@@ -1,8 +1,10 @@
 //! Papers' tables and figures, ours beside theirs: Guenter et al., *Foveated 3D Graphics*, 2012; Meng et al.,
-//! *Eye-dominance-guided Foveated Rendering*, 2020; Bruder et al., *Voronoi-Based Foveated Volume Rendering*, 2019; and the latencies of Stein et al., 2021.
+//! *Eye-dominance-guided Foveated Rendering*, 2020; Friston et al., *Perceptual Rasterization*, 2019; Bruder et al.,
+//! *Voronoi-Based Foveated Volume Rendering*, 2019; and the latencies of Stein et al., 2021.
 
 mod antialiasing;
 mod bruder;
+mod friston;
 mod latency;
 mod line;
 mod meng;
@@ -25,6 +27,7 @@ use foveasim_models::{Acuity, Geometry, ModelError, Viewport, presets};
 use foveasim_quality::{QualityError, WINDOW};
 use foveasim_render::RenderError;
 use foveasim_reports::{ReportError, Table};
+use foveasim_traces::TraceError;
 use foveasim_volume::CastError;
 use glam::UVec2;
 use thiserror::Error;
@@ -32,6 +35,10 @@ use thiserror::Error;
 pub use bruder::{
     Bruder2019, Bruder2019Outcome, BruderErrors, BruderFound, BruderMasks, BruderRing, BruderRow,
     BruderTimes, BruderVolume,
+};
+pub use friston::{
+    Family, FoveatedRow, FoveatedWay, Friston2019, Friston2019Outcome, HeadRow, ResolutionRow,
+    RollingRow, RollingWay, ShadowRow, StrengthRow,
 };
 pub use latency::{LatencyBars, LatencyRow};
 pub use meng::{DominanceFit, Fig7User, Meng2020, UserSigmas};
@@ -98,6 +105,9 @@ pub enum ReproduceError {
     /// Latency cannot be bounded.
     #[error(transparent)]
     Latency(#[from] LatencyError),
+    /// A movement cannot be made, or has no poses.
+    #[error(transparent)]
+    Trace(#[from] TraceError),
     /// The report cannot be made.
     #[error(transparent)]
     Report(#[from] ReportError),

@@ -90,7 +90,7 @@ pub(crate) fn supersampled_frame(
 }
 
 /// The mean of `n` × `n` samples from `first` on, row by row.
-fn mean(samples: &Image, first: UVec2, n: u32) -> [f32; 3] {
+pub(crate) fn mean(samples: &Image, first: UVec2, n: u32) -> [f32; 3] {
     let mut sum = [0.0f64; 3];
     for y in first.y..first.y + n {
         for x in first.x..first.x + n {

@@ -17,6 +17,18 @@ pub(super) fn cubic<S: Simd>(f: F<S>) -> [F<S>; 4] {
     ]
 }
 
+/// [`cubic`] of one place.
+#[inline(always)]
+pub(super) fn cubic_of(f: f32) -> [f32; 4] {
+    let f2 = f * f;
+    [
+        f * (f * (f * -0.5 + 1.0) - 0.5),
+        f2 * (f * 1.5 - 2.5) + 1.0,
+        f * (f * (f * -1.5 + 2.0) + 0.5),
+        f2 * (f * 0.5 - 0.5),
+    ]
+}
+
 /// What samples that were all taken beside the middles of their cells show in those middles: weights
 /// of the 3×3 samples around, a row of them times a column.
 ///
@@ -120,6 +132,7 @@ mod tests {
         for k in 0..=16 {
             let f = f64::from(k) / 16.0;
             let weights = dispatch(crate::Simd::Auto, Weights(f as f32));
+            assert_eq!(weights, cubic_of(f as f32));
             let expected = [1.0 + f, f, 1.0 - f, 2.0 - f].map(keys);
             for (w, e) in weights.into_iter().zip(expected) {
                 assert!((f64::from(w) - e).abs() < 1e-6, "{f}: {w} {e}");

@@ -18,13 +18,18 @@ pub(super) fn phong<S: Simd>(simd: S, m: &Phong, light: &Light, hit: &Hit<S>) ->
     for _ in 0..m.shininess_log2 {
         lobe = lobe * lobe;
     }
+    let mut n_l = max(n_l, zero);
+    if !light.shadows.is_empty() {
+        let sunlight = light.sunlight(simd, hit);
+        (n_l, lobe) = (n_l * sunlight, lobe * sunlight);
+    }
     let k = hit.world.scale(splat(simd, m.frequency));
     let colour = V3 {
         x: sin(simd, k.x) * 0.5 + 0.5,
         y: sin(simd, k.y) * 0.5 + 0.5,
         z: sin(simd, k.z) * 0.5 + 0.5,
     };
-    let lit = colour.scale(max(n_l, zero) * m.diffuse + m.ambient);
+    let lit = colour.scale(n_l * m.diffuse + m.ambient);
     let shine = lobe * m.specular;
     let sum = V3 {
         x: lit.x + shine,

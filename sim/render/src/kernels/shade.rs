@@ -1,5 +1,5 @@
 use fearless_simd::prelude::*;
-use foveasim_assets::{Material, Scene, Sky};
+use foveasim_assets::{Irradiance, Material, Scene, Sky};
 use foveasim_models::{Msaa, Pose};
 use glam::{DMat3, DVec3};
 
@@ -19,11 +19,12 @@ use crate::moving::MovingAttributes;
 use crate::placed::PlacedTile;
 use crate::project::{Projection, SUBSAMPLES};
 use crate::raster::Needs;
+use crate::shadow::{Illumination, ShadowMap, sunlight};
 use crate::tile::{BLOCK, LANES, SampleTile, TileBuffers, index_of, position_of};
 
 /// Light that reaches every surface alike.
 #[derive(Debug, Clone, Copy)]
-pub(crate) struct Light {
+pub(crate) struct Light<'a> {
     pub(super) sun_direction: [f32; 3],
     pub(super) sun_radiance: [f32; 3],
     pub(super) ambient_up: [f32; 3],
@@ -31,9 +32,13 @@ pub(crate) struct Light {
     pub(super) fog: [f32; 3],
     /// One over the distance at which a surface keeps half of its colour [1/m].
     pub(super) per_visibility_m: f32,
+    /// What stands between surfaces and the sun; none of it if there are no maps.
+    pub(super) shadows: &'a [ShadowMap],
+    /// Light from sky and ground by normal, instead of between two colours.
+    pub(super) irradiance: Option<Irradiance>,
 }
 
-impl Light {
+impl Light<'_> {
     fn new(scene: &Scene) -> Self {
         let sun = scene.sun();
         let d = sun.direction.normalize();
@@ -45,6 +50,8 @@ impl Light {
             ambient_down: sky.ambient_down,
             fog: sky.haze,
             per_visibility_m: sky.per_visibility_m,
+            shadows: &[],
+            irradiance: None,
         }
     }
 
@@ -55,10 +62,67 @@ impl Light {
             simd,
             #[inline(always)]
             || {
+                if let Some(irradiance) = &self.irradiance {
+                    return gathered(simd, irradiance, n);
+                }
                 let upward = n.y * 0.5 + 0.5;
                 V3::splat(simd, self.ambient_down).mix(V3::splat(simd, self.ambient_up), upward)
             },
         )
+    }
+
+    /// Light of the sun on a surface that faces it, times 1/π, as far as it reaches there.
+    #[inline(always)]
+    pub(super) fn sun<S: Simd>(&self, simd: S, hit: &Hit<S>) -> V3<S> {
+        let sun = V3::splat(simd, self.sun_radiance);
+        if self.shadows.is_empty() {
+            return sun;
+        }
+        sun.scale(self.sunlight(simd, hit))
+    }
+
+    /// How much of the sun's light reaches a place, 0 to 1.
+    #[inline(always)]
+    pub(super) fn sunlight<S: Simd>(&self, simd: S, hit: &Hit<S>) -> F<S> {
+        let p = [
+            hit.world.x.to_array(),
+            hit.world.y.to_array(),
+            hit.world.z.to_array(),
+        ];
+        let n = [
+            hit.normal.x.to_array(),
+            hit.normal.y.to_array(),
+            hit.normal.z.to_array(),
+        ];
+        F::from_slice(simd, &sunlight(self.shadows, p, n))
+    }
+}
+
+/// Light from all directions on a surface of unit normal `n`, times 1/π.
+#[inline(always)]
+fn gathered<S: Simd>(simd: S, irradiance: &Irradiance, n: V3<S>) -> V3<S> {
+    let V3 { x, y, z } = n;
+    let basis = [
+        splat(simd, 1.0),
+        y,
+        z,
+        x,
+        x * y,
+        y * z,
+        z * z * 3.0 - 1.0,
+        x * z,
+        x * x - y * y,
+    ];
+    let mut sum = V3::splat(simd, [0.0; 3]);
+    for (c, b) in irradiance.coefficients.iter().zip(basis) {
+        sum = sum.add(V3::splat(simd, *c).scale(b));
+    }
+    // A series that is cut swings below nothing.
+    let zero = splat(simd, 0.0);
+    V3 {
+        x: max(sum.x, zero),
+        y: max(sum.y, zero),
+        z: max(sum.z, zero),
     }
 }
 
@@ -66,7 +130,7 @@ impl Light {
 #[derive(Debug)]
 pub(crate) struct ShadeContext<'a> {
     scene: &'a Scene,
-    light: Light,
+    light: Light<'a>,
     pub(super) eye: [f32; 3],
     /// Rows of world_from_eye's rotation, for directions (tx, ty, 1) with w = −z.
     pub(super) world_from_direction: [[f32; 3]; 3],
@@ -106,6 +170,20 @@ impl<'a> ShadeContext<'a> {
     /// The same for an eye that moves during a scan.
     pub(crate) fn with_rolling(self, rolling: Option<Rolling>) -> Self {
         Self { rolling, ..self }
+    }
+}
+
+impl<'a> ShadeContext<'a> {
+    /// The same with light of other kinds.
+    pub(crate) fn with_illumination(self, illumination: &'a Illumination) -> Self {
+        Self {
+            light: Light {
+                shadows: &illumination.shadows,
+                irradiance: illumination.irradiance,
+                ..self.light
+            },
+            ..self
+        }
     }
 }
 

@@ -32,7 +32,7 @@ pub(super) fn surface<S: Simd>(
     let l_h = max(l.dot(h), zero);
     let n_v = max(n.dot(v), zero);
 
-    let sun = V3::splat(simd, light.sun_radiance).scale(n_l);
+    let sun = light.sun(simd, hit).scale(n_l);
     let diffuse = albedo
         .mul(sun.add(light.ambient(simd, n)))
         .scale(splat(simd, 1.0 - m.f0));

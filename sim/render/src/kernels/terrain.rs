@@ -35,7 +35,7 @@ pub(super) fn terrain<S: Simd>(simd: S, t: &Terrain, light: &Light, hit: &Hit<S>
         || albedo(simd, t, hit, [broad, grain, bump_x]),
     );
     let sun = V3::splat(simd, light.sun_direction).dot(normal);
-    let sun = V3::splat(simd, light.sun_radiance).scale(max(sun, zero));
+    let sun = light.sun(simd, hit).scale(max(sun, zero));
     albedo.mul(sun.add(light.ambient(simd, normal)))
 }
 

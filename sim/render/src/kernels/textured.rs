@@ -43,7 +43,7 @@ pub(super) fn textured<S: Simd>(
     let l_h = max(l.dot(h), zero);
     let n_v = max(n.dot(v), zero);
 
-    let sun = V3::splat(simd, light.sun_radiance).scale(n_l);
+    let sun = light.sun(simd, hit).scale(n_l);
     let diffuse = base
         .mul(sun.add(light.ambient(simd, n)))
         .scale((one - metal) * (1.0 - DIELECTRIC_F0));
@@ -95,18 +95,20 @@ mod tests {
     use super::*;
     use crate::Simd as Choice;
 
-    const DARK: Light = Light {
+    const DARK: Light<'static> = Light {
         sun_direction: [0.0, 1.0, 0.0],
         sun_radiance: [0.0; 3],
         ambient_up: [0.0; 3],
         ambient_down: [0.0; 3],
         fog: [0.0; 3],
         per_visibility_m: 0.0,
+        shadows: &[],
+        irradiance: None,
     };
 
     struct Probe<'a> {
         scene: &'a Scene,
-        light: &'a Light,
+        light: &'a Light<'a>,
     }
 
     impl Kernel for Probe<'_> {

@@ -66,6 +66,22 @@ fn lens_matched(display: UVec2, centre: DVec2, growth: f64) -> SamplePlan {
     bent(display, (before + after).as_uvec2(), Map::LensMatched(map))
 }
 
+/// The same with so many samples for each, along each side.
+fn finer(plan: SamplePlan, scale: f64) -> SamplePlan {
+    let (Map::LensMatched(map), Lattice::Grid(grid)) = (plan.passes[0].map, plan.passes[0].lattice)
+    else {
+        unreachable!("a lens-matched plan")
+    };
+    let centre = map.centre() * scale;
+    let map = LensMatched::new(map.centre_px(), centre, map.growth()).unwrap();
+    let lattice = (grid.as_dvec2() * scale).ceil().as_uvec2();
+    bent(
+        plan.display_px,
+        lattice,
+        Map::LensMatched(map.scaled(scale).unwrap()),
+    )
+}
+
 /// Plans of all kinds for a display: gazes on it, at its corner and beyond, kernels of all steepnesses.
 fn plans(display: UVec2) -> Vec<SamplePlan> {
     let size = display.as_dvec2();
@@ -85,5 +101,6 @@ fn plans(display: UVec2) -> Vec<SamplePlan> {
     }
     plans.push(lens_matched(display, (size / 2.0).floor(), 0.6));
     plans.push(lens_matched(display, DVec2::ZERO, 1.3));
+    plans.push(finer(lens_matched(display, (size / 2.0).floor(), 2.0), 2.5));
     plans
 }

@@ -274,7 +274,7 @@ fn time(
 }
 
 /// The same scene in one colour, before a sky of one colour.
-fn one_colour(scene: &Scene) -> Result<Scene, SceneError> {
+pub(crate) fn one_colour(scene: &Scene) -> Result<Scene, SceneError> {
     Scene::build(SceneParts {
         meshes: scene.meshes().to_vec(),
         lods: scene.lods().to_vec(),
@@ -292,7 +292,7 @@ fn total(values: &[f64]) -> f64 {
     values.iter().fold(0.0, |sum, v| sum + v)
 }
 
-fn median(values: impl IntoIterator<Item = f64>) -> f64 {
+pub(crate) fn median(values: impl IntoIterator<Item = f64>) -> f64 {
     let mut values: Vec<f64> = values.into_iter().collect();
     values.sort_by(f64::total_cmp);
     quantile_sorted(&values, 0.5)

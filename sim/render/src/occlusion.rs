@@ -136,7 +136,7 @@ impl Near {
         };
         // From display to lattice, by the steps around: what makes distances follow the density.
         let det = across.0.perp_dot(down.0);
-        if !(det.abs() > 1e-12) {
+        if det.is_nan() || det.abs() <= 1e-12 {
             return 1.0;
         }
         let radius = DVec2::splat(self.radius_m) / (self.pixel_tan * -own.eye.z);

@@ -65,7 +65,7 @@ impl Kernel for FetchMips<'_> {
 #[inline(always)]
 fn level(density: f32, levels: usize) -> (usize, f32) {
     // NaN, too, is no reason for a coarser copy.
-    if !(density > 1.0) {
+    if density.is_nan() || density <= 1.0 {
         return (0, 0.0);
     }
     let whole = ((density.to_bits() >> 23) - 127) as usize;

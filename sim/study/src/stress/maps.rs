@@ -193,11 +193,14 @@ fn zenon(draw: &mut Draw, _: u32) -> Vec<Trial> {
     Trial::of(error, format!("{zenon:?}"))
 }
 
+/// Beyond π the shorter way is the other one.
+const NEARLY_PI: f64 = std::f64::consts::PI - 1e-7;
+
 fn rotation(draw: &mut Draw, step: u32) -> Vec<Trial> {
     let angle = match step {
         0 => 1e-300,
-        1 => 3.141_592_6,
-        _ => draw.magnitude(1e-300, 3.141_592_6),
+        1 => NEARLY_PI,
+        _ => draw.magnitude(1e-300, NEARLY_PI),
     };
     let axis = DVec3::new(draw.range(-1.0, 1.0), draw.range(-1.0, 1.0), 1.0).normalize();
     let back = log_so3(exp_so3(axis * angle));

@@ -14,6 +14,9 @@ use super::timing::{FrameTime, pair};
 use super::{Friston2019Outcome, ReproduceError};
 use crate::kernel::median;
 
+/// How alike an image is to what it should be, but for the pixels that are marked.
+type Judge<'a> = dyn Fn(&Image, Option<&[bool]>) -> Result<f64, ReproduceError> + 'a;
+
 /// One way to show a frame on a display that scans from left to right while the head moves.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
@@ -185,7 +188,7 @@ impl<'a> Scanned<'a> {
         let width = image.size.x as usize;
         for (k, (rgb, gone)) in image.rgb.iter_mut().zip(&disoccluded).enumerate() {
             if *gone {
-                let light = (k % width / 8 + k / width / 8) % 2 == 0;
+                let light = (k % width / 8 + k / width / 8).is_multiple_of(2);
                 *rgb = [if light { 0.3 } else { 0.1 }; 3];
             }
         }
@@ -268,7 +271,7 @@ impl<'a> Scanned<'a> {
         method: Method,
         rounds: u32,
         clock: &mut dyn FnMut() -> Duration,
-        judge: &dyn Fn(&Image, Option<&[bool]>) -> Result<f64, ReproduceError>,
+        judge: &Judge<'_>,
     ) -> Result<Vec<RollingRow>, ReproduceError> {
         let scenes = self.scenes();
         let mut all: Vec<Found> = Vec::new();
@@ -366,7 +369,7 @@ impl Found {
         scanned: &Scanned<'_>,
         scenes: &[foveasim_assets::Scene; 2],
         clock: &mut dyn FnMut() -> Duration,
-        judge: &dyn Fn(&Image, Option<&[bool]>) -> Result<f64, ReproduceError>,
+        judge: &Judge<'_>,
     ) -> Result<(), ReproduceError> {
         let place = scanned.place;
         let still = [&place.world, &place.bare];

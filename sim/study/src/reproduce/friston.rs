@@ -158,8 +158,7 @@ impl Friston2019 {
             );
             let scanned = Scanned::new(place, self.turn_deg)?;
             rolling.extend(scanned.measure(&RollingWay::ALL, self.rounds, clock)?);
-            let magnified =
-                place.as_many_samples(&|scale| Family::Radial.method(foveated::STRENGTH, scale))?;
+            let magnified = place.as_many_samples(Family::Radial, foveated::STRENGTH)?;
             both.extend(scanned.measure_magnified(
                 magnified,
                 self.rounds,

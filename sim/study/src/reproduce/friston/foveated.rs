@@ -89,14 +89,12 @@ impl FoveatedWay {
     fn method(self, place: &Place, rows: &[StrengthRow]) -> Result<Method, ModelError> {
         let of = |family: Family| {
             let strength = best(rows, family);
-            place.as_many_samples(&|scale| family.method(strength, scale))
+            place.as_many_samples(family, strength)
         };
         match self {
             Self::Common | Self::Traced => Ok(Method::Full),
             Self::Layers => "layers:3".parse(),
-            Self::Perceptual | Self::Bounded(_) => {
-                place.as_many_samples(&|scale| Family::Radial.method(STRENGTH, scale))
-            }
+            Self::Perceptual | Self::Bounded(_) => place.as_many_samples(Family::Radial, STRENGTH),
             Self::LensMatched => of(Family::LensMatched),
             Self::KernelDirect => of(Family::LogPolar),
             Self::Kernel => match of(Family::LogPolar)? {

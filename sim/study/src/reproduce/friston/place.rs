@@ -5,7 +5,7 @@ use foveasim_quality::compare;
 use foveasim_render::{RenderOptions, render};
 use glam::{DVec2, UVec2};
 
-use super::{FOVEA_PX, Friston2019, ReproduceError};
+use super::{FOVEA_PX, Family, Friston2019, ReproduceError};
 use crate::kernel::one_colour;
 use crate::supersample::{mean, supersampled};
 
@@ -134,13 +134,15 @@ impl Place {
         method.plan(&self.request)
     }
 
-    /// The method, among those that `make` makes of a scale, whose last pass has as many samples as there are pixels.
+    /// The method of a family and strength whose last pass has as many samples as there are pixels.
     pub(super) fn as_many_samples(
         &self,
-        make: &dyn Fn(f64) -> Result<Method, ModelError>,
+        family: Family,
+        strength: f64,
     ) -> Result<Method, ModelError> {
+        let make = |scale: f64| family.method(strength, scale);
         let pixels = u64::from(self.view.optics.size.element_product());
-        let [mut low, mut high] = SCALES;
+        let [mut low, mut high] = family.scales();
         // Samples grow with the scale. Steps are of a thousandth, so that the method's name stays short.
         while high - low > 1e-3 {
             let middle = (low + high) / 2.0;
@@ -155,6 +157,3 @@ impl Place {
         make((low * 1e3).round() / 1e3)
     }
 }
-
-/// Lattice steps to the pixel that are tried: what all methods take.
-const SCALES: [f64; 2] = [0.3, 4.0];

@@ -69,8 +69,16 @@ impl Family {
     fn strengths(self) -> &'static [f64] {
         match self {
             Self::Radial => &[1.0, 1.25, 1.5, 2.0, 2.5, 3.0, 4.0],
-            Self::LensMatched => &[0.0, 0.5, 1.0, 2.0, 4.0, 8.0],
+            Self::LensMatched => &[0.0, 0.5, 1.0, 2.0, 3.0, 4.0],
             Self::LogPolar => &[0.25, 0.35, 0.5, 0.7, 1.0, 2.0, 4.0],
+        }
+    }
+
+    /// Lattice steps to the pixel that it may have.
+    pub(super) fn scales(self) -> [f64; 2] {
+        match self {
+            Self::LensMatched => [0.3, 8.0],
+            Self::Radial | Self::LogPolar => [0.3, 4.0],
         }
     }
 
@@ -89,7 +97,7 @@ impl Family {
                 Method::Lms(settings)
             }
             Self::LogPolar => {
-                let mut settings = KernelSettings::new(1.0 / scale, strength)?;
+                let mut settings = KernelSettings::new((1e4 / scale).round() / 1e4, strength)?;
                 (settings.interpolation, settings.mips) = (Interpolation::Cubic, true);
                 Method::Kfr(settings)
             }
@@ -123,7 +131,7 @@ fn measure_one(
     rounds: u32,
     clock: &mut dyn FnMut() -> Duration,
 ) -> Result<StrengthRow, ReproduceError> {
-    let method = place.as_many_samples(&|scale| family.method(strength, scale))?;
+    let method = place.as_many_samples(family, strength)?;
     let plan = place.plan(method)?;
     let options = RenderOptions::default();
     let (mut times, mut last) = (Vec::new(), None);

@@ -29,7 +29,7 @@ pub struct ShadowRow {
 /// Texels along each side of the maps compared: one map, and two of as many texels together.
 const SIZES: [u32; 2] = [512, 362];
 /// Of the map that stands for the truth.
-const REFERENCE: u32 = 8192;
+const REFERENCE: u32 = 4096;
 /// How far around what the eye looks at the second map reaches, as a share of how far away that is.
 const REACH: f64 = 0.25;
 

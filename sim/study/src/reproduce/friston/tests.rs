@@ -5,7 +5,7 @@ use super::*;
 fn tiny() -> Friston2019 {
     Friston2019 {
         size: UVec2::splat(96),
-        scenes: vec![GeneratedScene::Room { bars: 30 }],
+        scenes: vec![GeneratedScene::Room { bars: 6 }],
         reference_samples: 2,
         ..Friston2019::quick()
     }

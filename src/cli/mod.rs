@@ -52,7 +52,7 @@ enum Command {
     Run(Box<run::Args>),
     Plan(Box<plan::Args>),
     Calibrate(calibrate::Args),
-    Latency(latency::Args),
+    Latency(Box<latency::Args>),
     Replay(Box<replay::Args>),
     Render(Box<render::Args>),
     Reproduce(Box<reproduce::Args>),

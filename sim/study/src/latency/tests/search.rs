@@ -99,7 +99,7 @@ fn searched(study: &LatencyStudy, quantity: Quantity, longest: bool) -> Nanos {
     let locked = study.chain.runtime.host_lock.is_some() && !study.chain.runtime.overlapped;
     let spreads = varies && locked && law.max() > study.chain.host_rate.period();
     let starts = match (varies, frame.turn > Nanos::ZERO) {
-        _ if beat.refreshes > 1 || beat.overruns() > 1 => 40,
+        _ if beat.refreshes > 1 || beat.overruns() > 1 => 24,
         (false, false) => 12,
         _ => 10,
     };
@@ -109,7 +109,7 @@ fn searched(study: &LatencyStudy, quantity: Quantity, longest: bool) -> Nanos {
         let mut start = study.draw_within(&frame, seed, 0);
         let mut here = value(start, &frames);
         // The best of many to begin with.
-        for i in (1..4000).filter(|_| spreads) {
+        for i in (1..1500).filter(|_| spreads) {
             let others = Chosen::draw(law, &mut stream);
             let clocks = study.draw_within(&frame, seed, i);
             let there = value(clocks, &others);

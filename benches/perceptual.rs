@@ -2,7 +2,7 @@
 //! of it, at equal sample counts; and what each bound tests, misses and takes. Prints one row for each way, times
 //! and their ratios to `full` as medians of paired rounds.
 //!
-//! `cargo bench --bench perceptual -- --rounds 9 [--size 1920x1080] [--frame 500] [--cpu-time] [--picture FILE.ppm]`
+//! `cargo bench --bench perceptual -- --rounds 9 [--size 1920x1080] [--frame 500] [--cpu-time] [--picture FILE.pgm]`
 //!
 //! `--cpu-time` (Linux) takes the processor time of all threads instead of the time that passes. With `--picture`, also the
 //! sample test efficiency of each sample under the conservative bound (Friston 2019, Fig. 15) as a picture: black 0, white 1.
@@ -214,6 +214,9 @@ fn bounds(stage: &Stage, rounds: u32, clock: &dyn Fn() -> Duration, picture: Opt
         let counts =
             |bound| bound_counts(&stage.scene, &view, &plan, 0, bound, &options).expect("drawable");
         let ours = counts(Bound::Conservative);
+        if let Some(file) = picture.filter(|_| base.lens) {
+            std::fs::write(file, efficiencies(&ours)).expect("a writable file");
+        }
         for bound in [
             Bound::Box,
             Bound::Simple,
@@ -247,13 +250,10 @@ fn bounds(stage: &Stage, rounds: u32, clock: &dyn Fn() -> Duration, picture: Opt
                 1e3 * median(times.collect()),
             );
         }
-        if let Some(file) = picture.filter(|_| base.lens) {
-            std::fs::write(file, efficiencies(&ours)).expect("a writable file");
-        }
     }
 }
 
-/// Covered over tested of each sample, as a portable pixmap.
+/// Covered over tested of each sample, as a portable greymap.
 fn efficiencies(counts: &BoundCounts) -> Vec<u8> {
     let mut file = format!("P5\n{} {}\n255\n", counts.lattice.x, counts.lattice.y).into_bytes();
     let samples = counts.tested.iter().zip(&counts.covered);

@@ -156,6 +156,10 @@ impl DrawingArgs {
         let of_meshes = [
             ("--msaa", self.msaa != Msaa::One),
             ("--lod", self.lod != Lod::Footprint),
+            (
+                "--lod-error",
+                self.lod_error.to_bits() != Detail::ERROR_SAMPLES.to_bits(),
+            ),
             ("--supersample", self.supersample != 1),
             ("--frames", self.frames != 1),
             ("--temporal", self.temporal.is_some()),

@@ -165,6 +165,7 @@ impl DrawingArgs {
             ("--temporal", self.temporal.is_some()),
             ("--staggered", self.staggered),
             ("--all-frames", self.all_frames),
+            ("--shading", self.shading != Lighting::default()),
         ];
         if let Some((flag, _)) = of_meshes.iter().find(|(_, given)| *given) {
             return Err(Failure::bad_input(format!("{flag}: not with a volume")));

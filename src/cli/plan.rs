@@ -474,6 +474,8 @@ mod tests {
     #[derive(Parser)]
     struct Cli {
         #[command(flatten)]
+        _global: super::super::Global,
+        #[command(flatten)]
         args: Args,
     }
 

@@ -89,6 +89,7 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
     let display = options::display(&args.display)?;
     if args.scene.is_volume() {
+        args.rolling.none_for_a_volume()?;
         return volume::run(args, &display, ctx);
     }
     args.volume.check()?;

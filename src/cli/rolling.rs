@@ -93,6 +93,19 @@ const FASTEST_M_PER_S: f64 = 1000.0;
 const LONGEST_GAP: Nanos = Nanos(100_000_000);
 
 impl RollingArgs {
+    /// Refuses flags that say nothing about a volume.
+    pub(crate) fn none_for_a_volume(&self) -> Result<(), Failure> {
+        let given = [
+            ("--rolling", self.rolling),
+            ("--lens", self.lens.is_some()),
+            ("--bound", self.bound.is_some()),
+        ];
+        match given.iter().find(|(_, given)| *given) {
+            Some((flag, _)) => Err(Failure::bad_input(format!("{flag}: not with a volume"))),
+            None => Ok(()),
+        }
+    }
+
     /// The scan that the flags ask for, if any.
     pub(crate) fn scan(&self, display: &Display) -> Result<Option<Rolling>, Failure> {
         if !self.rolling {

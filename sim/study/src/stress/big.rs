@@ -90,8 +90,11 @@ impl Big {
                 false => f64::NAN,
             };
         };
-        // A fraction below 1 in words, the last one the greatest.
-        let scale = 0.5f64.powi(size_of_val(&words[0]) as i32 * 8);
+        // A fraction below 1 in words, the last one the greatest; none is 0.
+        let Some(first) = words.first() else {
+            return 0.0;
+        };
+        let scale = 0.5f64.powi(size_of_val(first) as i32 * 8);
         let fraction = words.iter().fold(0.0, |f, &word| (f + word as f64) * scale);
         // In two steps: what is tiny must not become 0 on the way.
         let half = exponent / 2;

@@ -85,7 +85,7 @@ pub(super) const CHECKS: &[Check] = &[
         against: "its pixels",
         over: "1 to 179 degrees, gaze anywhere, slope 1e-9",
         unit: "relative",
-        tolerance: 1e-6,
+        tolerance: 1e-11,
         costs: 500,
         trial: ideal_is_display,
     },

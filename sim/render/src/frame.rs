@@ -3,7 +3,6 @@ use foveasim_models::{Image, Lattice, Pass, Resolve, SamplePlan, Shading, View, 
 use glam::UVec2;
 
 use crate::check::{check, check_plan};
-use crate::chromatic::separate_colours;
 use crate::pass::PassMemory;
 use crate::passes::draw_passes;
 use crate::{RenderError, RenderOptions, resolve};
@@ -133,10 +132,6 @@ pub(crate) fn put_together(
     spare: Vec<[f32; 3]>,
 ) -> Frame {
     let (image, passes, resolve_work) = resolve::resolve(view, plan, passes, options, spare);
-    let image = match &view.lens {
-        Some(lens) => separate_colours(image, lens),
-        None => image,
-    };
     let mut work = resolve_work;
     work += shared;
     for w in &pass_work {

@@ -2,15 +2,32 @@ use foveasim_models::{Feather, Image, Resolve, SamplePlan, View, Work};
 use glam::UVec2;
 use rayon::prelude::*;
 
+use crate::chromatic::separate_colours;
 use crate::feather::{Layer, ResolveRow, RowScratch};
 use crate::inverse::invert;
 use crate::kernels::dispatch;
 use crate::mosaic::mosaic;
 use crate::{RenderOptions, Simd};
 
-/// Puts the passes together to the displayed image; also gives back the passes, if they are to be
-/// kept. The image is made in the memory of `spare`, where that fits.
+/// Puts the passes together to the displayed image, with the colours of a lens apart; also gives back the passes, if they are
+/// to be kept. The image is made in the memory of `spare`, where that fits.
 pub(crate) fn resolve(
+    view: &View,
+    plan: &SamplePlan,
+    passes: Vec<Image>,
+    options: &RenderOptions,
+    spare: Vec<[f32; 3]>,
+) -> (Image, Vec<Image>, Work) {
+    let (image, passes, work) = join(view, plan, passes, options, spare);
+    let image = match &view.lens {
+        Some(lens) => separate_colours(image, lens),
+        None => image,
+    };
+    (image, passes, work)
+}
+
+/// The same without a lens.
+fn join(
     view: &View,
     plan: &SamplePlan,
     mut passes: Vec<Image>,

@@ -47,6 +47,8 @@ pub enum Reach {
 
 /// Reaches are at least so long \[px\].
 const LEAST_REACH_PX: f64 = 0.5;
+/// Less than this share of the display's side beside the gaze is nothing beside it.
+const ROUNDING: f64 = 1e-13;
 
 impl Radial {
     /// About `gaze_px` on a display of `display_px` pixels, with `scale` lattice steps per pixel of the
@@ -220,6 +222,8 @@ impl Radial {
     /// Shares of the way to the vertical and to the horizontal edge ahead.
     fn shares_of_boundary(&self, away: DVec2) -> [f64; 2] {
         [0, 1].map(|axis| match away[axis] {
+            // Beside a gaze on the edge there is no room: rounding must not put a place off the display.
+            a if a.abs() <= ROUNDING * self.display_px[axis] => 0.0,
             a if a > 0.0 => a / (self.display_px[axis] - self.gaze_px[axis]),
             a if a < 0.0 => -a / self.gaze_px[axis],
             _ => 0.0,
@@ -358,5 +362,19 @@ mod tests {
         assert!(bad(DVec2::NAN, 2.0, Reach::Corner, 1.0));
         assert!(bad(middle, 0.5, Reach::Corner, 1.0) && bad(middle, f64::NAN, Reach::Corner, 1.0));
         assert!(bad(middle, 2.0, Reach::Px(0.0), 1.0) && bad(middle, 2.0, Reach::Corner, 0.0));
+    }
+
+    /// A gaze on the display's edge has no room beyond it; what rounding puts there is still magnified along the edge.
+    #[test]
+    fn places_along_the_edge_with_the_gaze_come_back() {
+        let size = UVec2::new(48, 1054);
+        let falloff = Falloff::power(11.765372109930606).unwrap();
+        let scale = 5.8461866139613665;
+        let map = Radial::new(size.as_dvec2(), size, falloff, Reach::Boundary, scale).unwrap();
+        for k in 0..=1000 {
+            let px = DVec2::new(48.0, 1.054 * f64::from(k));
+            let back = map.display_from_lattice(map.lattice_from_display(px));
+            assert!((back - px).length() < 1e-9, "{px} {back}");
+        }
     }
 }

@@ -44,7 +44,7 @@ pub(super) const CHECKS: &[Check] = &[
         against: "identity, over the growth of w",
         over: "w to 1e6 times, displays of 1 to 65536",
         unit: "of the display's diagonal",
-        tolerance: 4e-14,
+        tolerance: 2e-13,
         costs: 1,
         trial: lens_matched,
     },

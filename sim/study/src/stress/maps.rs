@@ -31,7 +31,7 @@ pub(super) const CHECKS: &[Check] = &[
     Check {
         quantity: "radial lattice to display and back",
         precision: "f64",
-        against: "identity",
+        against: "identity, over the diagonal per room beside the gaze",
         over: "exponents 1 to 16, gaze anywhere on a display of 1 to 65536",
         unit: "of the display's diagonal",
         tolerance: 2e-14,
@@ -133,7 +133,13 @@ fn radial(draw: &mut Draw, _: u32) -> Vec<Trial> {
         return Vec::new();
     };
     let back = map.display_from_lattice(map.lattice_from_display(px));
-    let error = (back - px).length() / size.as_dvec2().length();
+    // What share of the way to a near edge a place is, is known as well as places are beside that way.
+    let beyond = size.as_dvec2() - gaze;
+    let rooms = [gaze.x, gaze.y, beyond.x, beyond.y];
+    let room = rooms.into_iter().filter(|room| *room > 0.0);
+    let room = room.fold(f64::INFINITY, f64::min);
+    let diagonal = size.as_dvec2().length();
+    let error = (back - px).length() / diagonal / (1.0 + diagonal / room);
     Trial::of(error, format!("{px} of {map:?}"))
 }
 

@@ -3,9 +3,8 @@ use std::f64::consts::TAU;
 use glam::{DVec2, UVec2};
 
 use super::estimate::{Estimate, PassEstimate};
-use super::quadrature::adaptive;
+use super::quadrature::around;
 use super::{KernelForm, KernelSettings, Request, Screen};
-use crate::math::{atan2, cos, sin};
 use crate::{
     Cadence, Filter, Lattice, LogPolar, Map, ModelError, Msaa, Pass, Region, Resolve, SamplePlan,
     Shading, Visibility,
@@ -113,24 +112,8 @@ pub(super) fn estimate(
 
 /// Samples of a map about a place on a screen of `size` pixels that lie on it.
 pub(super) fn on_screen(map: &LogPolar, size: DVec2) -> f64 {
-    let gaze = map.gaze_px();
-    let room = size - gaze;
-    let corners = [
-        -gaze,
-        DVec2::new(room.x, -gaze.y),
-        room,
-        DVec2::new(-gaze.x, room.y),
-    ];
-    let mut turns: Vec<f64> = corners.into_iter().map(|d| atan2(d.y, d.x)).collect();
-    turns.sort_by(f64::total_cmp);
-    turns.push(turns[0] + TAU);
-    let outwards = |turn: f64| {
-        let towards = DVec2::new(cos(turn), sin(turn));
-        // As far as the nearer of the two edges that lie ahead.
-        let edge = DVec2::select(towards.cmplt(DVec2::ZERO), gaze, room);
-        map.x_at((edge / towards.abs()).min_element())
-    };
-    map.samples().y / TAU * adaptive(&turns, RELATIVE_ERROR, outwards)
+    let outwards = |_, to_edge| map.x_at(to_edge);
+    map.samples().y / TAU * around(map.gaze_px(), size, RELATIVE_ERROR, outwards)
 }
 
 #[cfg(test)]

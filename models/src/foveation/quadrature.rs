@@ -1,5 +1,11 @@
 //! Numerical integration with a stated error.
 
+use std::f64::consts::TAU;
+
+use glam::DVec2;
+
+use crate::math::{atan2, cos, sin};
+
 /// Nodes in (0, 1] and weights of the 8-point Gauss–Legendre rule on [−1, 1] (Abramowitz & Stegun,
 /// table 25.4); each node stands for ±.
 const GAUSS_8: [(f64, f64); 4] = [
@@ -85,6 +91,33 @@ pub(crate) fn adaptive(pieces: &[f64], relative: f64, f: impl Fn(f64) -> f64) ->
     total
 }
 
+/// ∫ f over the directions about a place on a rectangle of `size`, within `relative` of the whole. `f` is given the
+/// direction and how far away the rectangle's edge lies in it.
+pub(super) fn around(
+    centre: DVec2,
+    size: DVec2,
+    relative: f64,
+    f: impl Fn(DVec2, f64) -> f64,
+) -> f64 {
+    let room = size - centre;
+    let corners = [
+        -centre,
+        DVec2::new(room.x, -centre.y),
+        room,
+        DVec2::new(-centre.x, room.y),
+    ];
+    // Between the directions of corners nothing has a kink.
+    let mut turns = corners.map(|to| atan2(to.y, to.x)).to_vec();
+    turns.sort_by(f64::total_cmp);
+    turns.push(turns[0] + TAU);
+    adaptive(&turns, relative, |turn| {
+        let towards = DVec2::new(cos(turn), sin(turn));
+        // As far as the nearer of the two edges that lie ahead.
+        let edge = DVec2::select(towards.cmplt(DVec2::ZERO), centre, room);
+        f(towards, (edge / towards.abs()).min_element())
+    })
+}
+
 /// Where `f`, positive at one end of [a, b] and negative at the other, crosses zero: false position
 /// with the Illinois weighting (Dowell & Jarratt 1971), until |f| ≤ `tolerance`.
 pub(super) fn root(a: f64, b: f64, tolerance: f64, f: impl Fn(f64) -> f64) -> f64 {
@@ -131,6 +164,16 @@ mod tests {
             assert!((root(1e-3, 1.0, 1e-9, |x| (x / at).ln()) - at).abs() < 1e-8);
             assert!((root(0.0, 1.0, 1e-9, |x| x.exp() - at.exp()) - at).abs() < 1e-8);
             assert!((root(0.0, 1.0, 1e-9, |x| at - x) - at).abs() < 1e-12);
+        }
+    }
+
+    #[test]
+    fn directions_cover_a_rectangle_from_anywhere_in_it() {
+        // Half the squared distance to the edge, over all directions, is the area.
+        for centre in [[50.0, 30.0], [1.0, 59.0], [99.9, 0.1], [0.0, 0.0]] {
+            let size = DVec2::new(100.0, 60.0);
+            let area = around(centre.into(), size, 1e-9, |_, edge| edge * edge / 2.0);
+            assert!((area / 6000.0 - 1.0).abs() < 1e-9, "{centre:?}: {area}");
         }
     }
 

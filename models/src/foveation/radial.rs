@@ -1,15 +1,13 @@
-use std::f64::consts::TAU;
 use std::fmt;
 use std::str::FromStr;
 
 use glam::{DVec2, DVec3};
 
 use super::estimate::{Estimate, PassEstimate};
-use super::quadrature::adaptive;
+use super::quadrature::around;
 use super::text::{Setting, number, settings};
 use super::{Aim, Method, Request, Screen};
 use crate::error::in_range;
-use crate::math::{atan2, cos, sin};
 use crate::{
     Affine, Falloff, Filter, Interpolation, Lattice, Map, ModelError, Pass, Radial, Reach, Region,
     Resolve, SamplePlan, unknown_name,
@@ -153,21 +151,7 @@ fn samples(map: &Radial, size: DVec2) -> f64 {
         return size.element_product() * map.scale() * map.scale();
     }
     let (gaze, centre) = (map.gaze_px(), map.gaze());
-    let room = size - gaze;
-    let corners = [
-        -gaze,
-        DVec2::new(room.x, -gaze.y),
-        room,
-        DVec2::new(-gaze.x, room.y),
-    ];
-    // Between the directions of corners nothing has a kink.
-    let mut turns: Vec<f64> = corners.into_iter().map(|d| atan2(d.y, d.x)).collect();
-    turns.sort_by(f64::total_cmp);
-    turns.push(turns[0] + TAU);
-    adaptive(&turns, RELATIVE_ERROR, |turn: f64| {
-        let towards = DVec2::new(cos(turn), sin(turn));
-        let edge = DVec2::select(towards.cmplt(DVec2::ZERO), gaze, room);
-        let to_edge = (edge / towards.abs()).min_element();
+    around(gaze, size, RELATIVE_ERROR, |towards, to_edge| {
         let inside = map.lattice_from_display(gaze + towards * to_edge);
         inside.distance_squared(centre) / 2.0
     })

@@ -4,7 +4,7 @@
 //! without the fixed part. Guenter et al. 2012 got 0.43 (quality A) and 0.49 (B) of their pixel ratio
 //! as whole-frame speedup (Table 1 and §6).
 //!
-//! `cargo bench --bench foveation -- --moments 8 [--size 1920x1080] [--raw FILE]`
+//! `cargo bench --bench foveation -- --moments 8 [--size 1920x1080] [--cpu-time] [--raw FILE]`
 
 #![expect(
     clippy::print_stdout,
@@ -12,38 +12,31 @@
     reason = "a bench says what it measured"
 )]
 
-use std::time::Instant;
+mod common;
+
+use common::Args;
 
 use foveasim::study::Guenter2012;
 use glam::UVec2;
 
 fn main() {
-    let args: Vec<String> = std::env::args().collect();
-    let value = |flag: &str| {
-        args.iter()
-            .position(|a| a == flag)
-            .and_then(|i| args.get(i + 1))
-    };
-    let size = value("--size").and_then(|text| {
-        let (width, height) = text.split_once('x')?;
-        Some(UVec2::new(width.parse().ok()?, height.parse().ok()?))
-    });
+    let args = Args::new();
     // `cargo test --benches` runs this with other arguments: something small will do.
     let quick = Guenter2012::quick();
-    let study = match value("--moments").and_then(|n| n.parse().ok()) {
+    let study = match args.value("--moments") {
         Some(moments) => Guenter2012 {
             moments,
-            size: size.unwrap_or(UVec2::new(1920, 1080)),
+            size: args.size().unwrap_or(UVec2::new(1920, 1080)),
             ..quick
         },
         None => quick,
     };
-    let began = Instant::now();
+    let clock = args.clock();
     let payoff = study
-        .payoff(&mut || began.elapsed(), &|_, _| ())
+        .payoff(&mut || clock.now(), &|_, _| ())
         .expect("a size and moments that can be drawn");
     print!("{}", payoff.table().csv());
-    if let Some(file) = value("--raw") {
+    if let Some(file) = args.text("--raw") {
         std::fs::write(file, payoff.raw_table().csv()).expect("a writable file");
     }
     let threads = rayon::current_num_threads();
@@ -52,6 +45,6 @@ fn main() {
         study.size.x,
         study.size.y,
         study.moments,
-        began.elapsed().as_secs_f64()
+        clock.passed().as_secs_f64()
     );
 }

@@ -18,23 +18,17 @@
 )]
 
 use std::path::Path;
-use std::time::{Duration, Instant};
+
+mod common;
+
+use common::Args;
 
 use foveasim::study::{KernelErrors, KernelTimes};
 use glam::UVec2;
 
 fn main() {
-    let args: Vec<String> = std::env::args().collect();
-    let value = |flag: &str| {
-        args.iter()
-            .position(|a| a == flag)
-            .and_then(|i| args.get(i + 1))
-    };
-    let number = |flag: &str| value(flag).and_then(|n| n.parse::<u32>().ok());
-    let size = value("--size").and_then(|text| {
-        let (width, height) = text.split_once('x')?;
-        Some(UVec2::new(width.parse().ok()?, height.parse().ok()?))
-    });
+    let args = Args::new();
+    let number = |flag: &str| args.value::<u32>(flag);
     // `cargo test --benches` runs this with other arguments: something small will do.
     let quick = KernelTimes::quick();
     let full_size = UVec2::new(1280, 1440);
@@ -42,19 +36,14 @@ fn main() {
         Some(moments) => KernelTimes {
             moments,
             rounds: number("--rounds").unwrap_or(5),
-            size: size.unwrap_or(full_size),
+            size: args.size().unwrap_or(full_size),
             ..quick
         },
         None => quick,
     };
-    let began = Instant::now();
-    let of_processors = args.iter().any(|a| a == "--cpu-time");
-    let mut clock = || match of_processors {
-        true => processor_time(),
-        false => began.elapsed(),
-    };
+    let clock = args.clock();
     let timings = study
-        .run(&mut clock, &|_, _| ())
+        .run(&mut || clock.now(), &|_, _| ())
         .expect("a size and moments that can be drawn");
     print!("{}", timings.table().csv());
     for form in ["", ":published"] {
@@ -67,7 +56,7 @@ fn main() {
             );
         }
     }
-    if let Some(file) = value("--errors") {
+    if let Some(file) = args.text("--errors") {
         let errors = KernelErrors {
             size: study.size,
             moments: study.moments,
@@ -86,17 +75,6 @@ fn main() {
         study.size.y,
         study.moments,
         study.rounds,
-        began.elapsed().as_secs_f64()
+        clock.passed().as_secs_f64()
     );
-}
-
-/// Time that this process's threads have run (the first number of each `schedstat`, in nanoseconds).
-fn processor_time() -> Duration {
-    let threads = std::fs::read_dir("/proc/self/task").expect("--cpu-time needs Linux");
-    let of_thread = |entry: std::io::Result<std::fs::DirEntry>| {
-        // A thread may end meanwhile.
-        let text = std::fs::read_to_string(entry.ok()?.path().join("schedstat")).ok()?;
-        text.split(' ').next()?.parse::<u64>().ok()
-    };
-    Duration::from_nanos(threads.filter_map(of_thread).sum())
 }

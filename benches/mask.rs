@@ -15,7 +15,11 @@
     reason = "a bench says what it measured"
 )]
 
-use std::time::{Duration, Instant};
+use std::time::Duration;
+
+mod common;
+
+use common::Args;
 
 use foveasim::assets::{TransferFunction, volume_named};
 use foveasim::mask::{Interpolation, Mask, MaskSpec, PlacedMask};
@@ -24,19 +28,14 @@ use foveasim::study::{Bruder2019, BruderMasks, BruderVolume};
 use glam::{DVec2, UVec2};
 
 fn main() {
-    let args: Vec<String> = std::env::args().collect();
-    let value = |flag: &str| {
-        args.iter()
-            .position(|a| a == flag)
-            .and_then(|i| args.get(i + 1))
-    };
-    let number = |flag: &str| value(flag).and_then(|n| n.parse::<u32>().ok());
+    let args = Args::new();
+    let number = |flag: &str| args.value::<u32>(flag);
     // `cargo test --benches` runs this with other arguments: something small will do.
     let size = UVec2::splat(number("--size").unwrap_or(64));
-    let fraction = value("--fraction").and_then(|f| f.parse().ok());
+    let fraction = args.value("--fraction");
     let fraction = fraction.unwrap_or(0.1144);
     let gaussian = RayDensity::gaussian_of_fraction(fraction, size.as_dvec2()).expect("a fraction");
-    let density = match value("--density").map(String::as_str) {
+    let density = match args.text("--density") {
         Some("mar") => {
             let viewport = Bruder2019::viewport(size).expect("a size");
             let found = RayDensity::mar_of_fraction(fraction, Acuity::default(), &viewport);
@@ -44,22 +43,17 @@ fn main() {
         }
         _ => gaussian,
     };
-    let began = Instant::now();
-    let of_processors = args.iter().any(|a| a == "--cpu-time");
-    let mut clock = || match of_processors {
-        true => processor_time(),
-        false => began.elapsed(),
-    };
+    let clock = args.clock();
     let spec = MaskSpec::new(size, density, 1);
-    let mask = parts(&spec, number("--rounds").unwrap_or(1), &mut clock);
-    if let Some(name) = value("--volume") {
+    let mask = parts(&spec, number("--rounds").unwrap_or(1), &mut || clock.now());
+    if let Some(name) = args.text("--volume") {
         let asked = Bruder2019 {
             cameras: number("--cameras").unwrap_or(3),
             gazes: number("--gazes").unwrap_or(2),
             frames: number("--frames").unwrap_or(3),
             ..Bruder2019::default()
         };
-        against_full(&asked, name, mask, gaussian, &mut clock);
+        against_full(&asked, name, mask, gaussian, &mut || clock.now());
     }
     let threads = rayon::current_num_threads();
     eprintln!("{} x {} pixels, {threads} threads", size.x, size.y);
@@ -149,15 +143,4 @@ fn against_full(
     let found = asked.run(&[volume], &masks, clock, &|_, _| ());
     let found = found.expect("counts that can be measured");
     print!("{}{}", found.table_1().csv(), found.errors().csv());
-}
-
-/// Time that this process's threads have run (the first number of each `schedstat`, in nanoseconds).
-fn processor_time() -> Duration {
-    let threads = std::fs::read_dir("/proc/self/task").expect("--cpu-time needs Linux");
-    let of_thread = |entry: std::io::Result<std::fs::DirEntry>| {
-        // A thread may end meanwhile.
-        let text = std::fs::read_to_string(entry.ok()?.path().join("schedstat")).ok()?;
-        text.split(' ').next()?.parse::<u64>().ok()
-    };
-    Duration::from_nanos(threads.filter_map(of_thread).sum())
 }

@@ -13,8 +13,9 @@
     reason = "a bench says what it measured"
 )]
 
-use std::time::{Duration, Instant};
+mod common;
 
+use common::{Args, Clock, median};
 use foveasim::assets::{STUDY_FRAMES, Scene, study_camera, study_scene};
 use foveasim::models::foveation::{Method, Request};
 use foveasim::models::{LensSpec, Pose, SamplePlan, ScanSkew, View, Viewport, presets};
@@ -126,20 +127,11 @@ impl Stage {
 }
 
 fn main() {
-    let args: Vec<String> = std::env::args().collect();
-    let value = |flag: &str| {
-        args.iter()
-            .position(|a| a == flag)
-            .and_then(|i| args.get(i + 1))
-    };
-    let number = |flag: &str| value(flag).and_then(|n| n.parse::<u32>().ok());
-    let size = value("--size").and_then(|text| {
-        let (width, height) = text.split_once('x')?;
-        Some(UVec2::new(width.parse().ok()?, height.parse().ok()?))
-    });
+    let args = Args::new();
+    let number = |flag: &str| args.value::<u32>(flag);
     // `cargo test --benches` runs this with other arguments: something small will do.
     let (rounds, size) = match number("--rounds") {
-        Some(rounds) => (rounds.max(1), size.unwrap_or(UVec2::new(1920, 1080))),
+        Some(rounds) => (rounds.max(1), args.size().unwrap_or(UVec2::new(1920, 1080))),
         None => (1, UVec2::new(160, 90)),
     };
     let display = presets::display("lg-w2363d").expect("a preset");
@@ -152,32 +144,27 @@ fn main() {
         },
         frame: number("--frame").unwrap_or(500),
     };
-    let began = Instant::now();
-    let of_processors = args.iter().any(|a| a == "--cpu-time");
-    let clock = || match of_processors {
-        true => processor_time(),
-        false => began.elapsed(),
-    };
+    let clock = args.clock();
     frames(&stage, rounds, &clock);
-    bounds(&stage, rounds, &clock, value("--picture"));
+    bounds(&stage, rounds, &clock, args.text("--picture"));
     eprintln!(
         "{} x {} pixels, {rounds} rounds, {} threads, {:.0} s",
         size.x,
         size.y,
         rayon::current_num_threads(),
-        began.elapsed().as_secs_f64()
+        clock.passed().as_secs_f64()
     );
 }
 
 /// Whole frames of every way.
-fn frames(stage: &Stage, rounds: u32, clock: &dyn Fn() -> Duration) {
+fn frames(stage: &Stage, rounds: u32, clock: &Clock) {
     let options = RenderOptions::default();
     let mut times = vec![Vec::new(); WAYS.len()];
     for _ in 0..rounds {
         for (way, times) in WAYS.iter().zip(&mut times) {
-            let start = clock();
+            let start = clock.now();
             stage.draw(way, &options);
-            times.push((clock() - start).as_secs_f64());
+            times.push((clock.now() - start).as_secs_f64());
         }
     }
     println!("way,samples,frame_ms,over_full,efficiency");
@@ -201,7 +188,7 @@ fn frames(stage: &Stage, rounds: u32, clock: &dyn Fn() -> Duration) {
 }
 
 /// What each bound tests and misses, nothing hidden left out, and what a frame takes with it.
-fn bounds(stage: &Stage, rounds: u32, clock: &dyn Fn() -> Duration, picture: Option<&String>) {
+fn bounds(stage: &Stage, rounds: u32, clock: &Clock, picture: Option<&str>) {
     println!("way,bound,tested,covered,efficiency,missed,frame_ms");
     for base in [
         Way::new("magnified", "radial:2:boundary"),
@@ -235,9 +222,9 @@ fn bounds(stage: &Stage, rounds: u32, clock: &dyn Fn() -> Duration, picture: Opt
                 1
             };
             let times = (0..rounds).map(|_| {
-                let start = clock();
+                let start = clock.now();
                 stage.draw(&way, &options);
-                (clock() - start).as_secs_f64()
+                (clock.now() - start).as_secs_f64()
             });
             println!(
                 "\"{}\",{},{},{},{:.3},{},{:.1}",
@@ -259,20 +246,4 @@ fn efficiencies(counts: &BoundCounts) -> Vec<u8> {
     let samples = counts.tested.iter().zip(&counts.covered);
     file.extend(samples.map(|(tested, covered)| (255 * covered / (*tested).max(1)) as u8));
     file
-}
-
-fn median(mut values: Vec<f64>) -> f64 {
-    values.sort_by(f64::total_cmp);
-    values[values.len() / 2]
-}
-
-/// Time that this process's threads have run (the first number of each `schedstat`, in nanoseconds).
-fn processor_time() -> Duration {
-    let threads = std::fs::read_dir("/proc/self/task").expect("--cpu-time needs Linux");
-    let of_thread = |entry: std::io::Result<std::fs::DirEntry>| {
-        // A thread may end meanwhile.
-        let text = std::fs::read_to_string(entry.ok()?.path().join("schedstat")).ok()?;
-        text.split(' ').next()?.parse::<u64>().ok()
-    };
-    Duration::from_nanos(threads.filter_map(of_thread).sum())
 }

@@ -14,6 +14,9 @@
 use std::f64::consts::PI;
 use std::time::Instant;
 
+mod common;
+
+use common::Args;
 use foveasim::assets::{Instance, Material, Mesh, Phong, Scene, Similarity, Sky, Sun, Vertex};
 use foveasim::models::{Eye, Image, Pose, SamplePlan, View, Viewport};
 use foveasim::render::{RenderOptions, Simd, Skip, render_into};
@@ -132,23 +135,17 @@ fn view(k: u32) -> View {
 }
 
 fn main() {
-    let args: Vec<String> = std::env::args().collect();
-    let has = |flag: &str| args.iter().any(|a| a == flag);
-    let value = |flag: &str| {
-        args.iter()
-            .position(|a| a == flag)
-            .and_then(|i| args.get(i + 1))
-    };
+    let args = Args::new();
     // `cargo test --benches` runs this with other arguments: one frame will do.
-    let frames: u32 = value("--frames").and_then(|n| n.parse().ok()).unwrap_or(1);
+    let frames: u32 = args.value("--frames").unwrap_or(1);
     let scene = scene();
     let plan = SamplePlan::full(Eye::Cyclopean, UVec2::new(1920, 1080));
-    let mut skip = match value("--skip").map(String::as_str) {
+    let mut skip = match args.text("--skip") {
         Some("none") => Skip::NONE,
         _ => Skip::ALL,
     };
-    skip.back_faces = !has("--both-faces");
-    let scalar = value("--simd").is_some_and(|v| v == "scalar");
+    skip.back_faces = !args.has("--both-faces");
+    let scalar = args.text("--simd").is_some_and(|v| v == "scalar");
     let options = RenderOptions {
         simd: if scalar { Simd::Scalar } else { Simd::Auto },
         near_m: 0.5,
@@ -183,7 +180,7 @@ fn main() {
     for (name, count) in frame.work.rows() {
         eprintln!("  {name}: {count}");
     }
-    if let Some(file) = value("--png") {
+    if let Some(file) = args.text("--png") {
         let bytes = foveasim::reports::png(&frame.image).expect("a picture");
         std::fs::write(file, bytes).expect("a writable file");
     }

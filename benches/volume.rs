@@ -13,8 +13,9 @@
     reason = "a program whose results are what it prints"
 )]
 
-use std::time::Instant;
+mod common;
 
+use common::Args;
 use foveasim::assets::{
     Frame, GeneratedVolume, TransferFunction, TransferPoint, Volume, VolumeParts, Voxels, look_at,
 };
@@ -134,23 +135,9 @@ fn blobs_transfer() -> TransferFunction {
     TransferFunction::new(values.map(point).to_vec()).expect("rising values")
 }
 
-/// Processor time of all threads \[s\].
-fn processor_s() -> f64 {
-    let threads = std::fs::read_dir("/proc/self/task").expect("--cpu-time needs Linux");
-    let nanos = threads.filter_map(|t| {
-        let text = std::fs::read_to_string(t.ok()?.path().join("schedstat")).ok()?;
-        text.split(' ').next()?.parse::<f64>().ok()
-    });
-    nanos.sum::<f64>() * 1e-9
-}
-
 fn main() {
-    let args: Vec<String> = std::env::args().collect();
-    let value = |flag: &str| {
-        let at = args.iter().position(|a| a == flag)?;
-        args.get(at + 1)
-    };
-    let number = |flag: &str| value(flag).and_then(|n| n.parse::<u32>().ok());
+    let args = Args::new();
+    let number = |flag: &str| args.value::<u32>(flag);
     // `cargo test --benches` runs this with other arguments: something small will do.
     let frames = number("--frames");
     let (size, voxels) = match frames {
@@ -161,12 +148,8 @@ fn main() {
         None => (64, 32),
     };
     let frames = frames.unwrap_or(1).max(1);
-    let of_processors = args.iter().any(|a| a == "--cpu-time");
-    let began = Instant::now();
-    let clock = || match of_processors {
-        true => processor_s(),
-        false => began.elapsed().as_secs_f64(),
-    };
+    let clock = args.clock();
+    let clock = || clock.now().as_secs_f64();
     println!(
         "volume,way,threads,frames,prepare_ms,kept_mib,frame_ms_median,frame_ms_least,rays,steps,steps_seen,\
          steps_skipped,rays_ended_early"
@@ -213,7 +196,7 @@ fn main() {
     ];
     let kinds = GeneratedVolume::ALL.map(|k| (k.name(), Some(k)));
     for (name, kind) in std::iter::once(("blobs", None)).chain(kinds) {
-        if value("--only").is_some_and(|only| only != name) {
+        if args.text("--only").is_some_and(|only| only != name) {
             continue;
         }
         let volume = match kind {
@@ -225,7 +208,7 @@ fn main() {
             Some(_) => TransferFunction::of_volume(&volume),
         };
         for (way, options) in &ways {
-            if value("--ways").is_some_and(|only| only != way) {
+            if args.text("--ways").is_some_and(|only| only != way) {
                 continue;
             }
             let start = clock();
@@ -260,7 +243,7 @@ fn main() {
                 work.steps_skipped,
                 work.rays_ended_early,
             );
-            if let (Some(file), "drawn") = (value("--png"), *way) {
+            if let (Some(file), "drawn") = (args.text("--png"), *way) {
                 save(&image, &format!("{file}-{name}.png"));
             }
         }

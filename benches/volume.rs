@@ -208,7 +208,7 @@ fn main() {
             Some(_) => TransferFunction::of_volume(&volume),
         };
         for (way, options) in &ways {
-            if args.text("--ways").is_some_and(|only| only != way) {
+            if args.text("--ways").is_some_and(|only| only != *way) {
                 continue;
             }
             let start = clock();

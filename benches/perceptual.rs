@@ -2,7 +2,10 @@
 //! of it, at equal sample counts; and what each bound tests, misses and takes. Prints one row for each way, times
 //! and their ratios to `full` as medians of paired rounds.
 //!
-//! `cargo bench --bench perceptual -- --rounds 9 [--size 1920x1080] [--frame 500] [--cpu-time] [--picture FILE.pgm]`
+//! `cargo bench --bench perceptual -- --rounds 9 [--size 1920x1080] [--frame 500] [--cpu-time] [--picture FILE.pgm]
+//! [--only rolling,all]`
+//!
+//! With `--only`, `full` and these ways, and no table of bounds.
 //!
 //! `--cpu-time` (Linux) takes the processor time of all threads instead of the time that passes. With `--picture`, also the
 //! sample test efficiency of each sample under the conservative bound (Friston 2019, Fig. 15) as a picture: black 0, white 1.
@@ -145,8 +148,15 @@ fn main() {
         frame: number("--frame").unwrap_or(500),
     };
     let clock = args.clock();
-    frames(&stage, rounds, &clock);
-    bounds(&stage, rounds, &clock, args.text("--picture"));
+    let only: Option<Vec<&str>> = args.text("--only").map(|names| names.split(',').collect());
+    let wanted = |way: &&Way| {
+        way.name == "full" || only.as_ref().is_none_or(|names| names.contains(&way.name))
+    };
+    let ways: Vec<&Way> = WAYS.iter().filter(wanted).collect();
+    frames(&stage, &ways, rounds, &clock);
+    if only.is_none() {
+        bounds(&stage, rounds, &clock, args.text("--picture"));
+    }
     eprintln!(
         "{} x {} pixels, {rounds} rounds, {} threads, {:.0} s",
         size.x,
@@ -157,18 +167,20 @@ fn main() {
 }
 
 /// Whole frames of every way.
-fn frames(stage: &Stage, rounds: u32, clock: &Clock) {
+fn frames(stage: &Stage, ways: &[&Way], rounds: u32, clock: &Clock) {
     let options = RenderOptions::default();
-    let mut times = vec![Vec::new(); WAYS.len()];
+    let mut times = vec![Vec::new(); ways.len()];
+    // The first frame touches memory for the first time.
+    stage.draw(ways[0], &options);
     for _ in 0..rounds {
-        for (way, times) in WAYS.iter().zip(&mut times) {
+        for (way, times) in ways.iter().zip(&mut times) {
             let start = clock.now();
             stage.draw(way, &options);
             times.push((clock.now() - start).as_secs_f64());
         }
     }
     println!("way,samples,frame_ms,over_full,efficiency");
-    for (k, way) in WAYS.iter().enumerate() {
+    for (k, way) in ways.iter().enumerate() {
         let ratios = times[k].iter().zip(&times[0]).map(|(a, b)| a / b).collect();
         let options = RenderOptions {
             bound: way.bound,

@@ -258,8 +258,8 @@ struct Scratch {
 /// What a worker needs besides where triangles move.
 struct MovingScratch {
     blocks: TileBlocks,
-    /// Those that meet the tile.
-    targets: Vec<Target>,
+    /// The names of those that meet the tile.
+    targets: Vec<[u32; 2]>,
     outlines: Outlines,
     /// Of the visible.
     attributes: Vec<MovingAttributes>,
@@ -429,16 +429,19 @@ impl<'a> Drawing<'a> {
             return;
         }
         let outlined = self.options.bound.is_some_and(|bound| bound.is_outlined());
-        if !outlined {
-            find_blocks(placed, valid, &mut moving.blocks, self.options.simd);
+        match self.placement.and_then(Placement::even) {
+            _ if outlined => {}
+            Some(places) => moving.blocks.find_even(&places, tile.origin, valid),
+            None => find_blocks(placed, valid, &mut moving.blocks, self.options.simd),
         }
         if let Some(counts) = &mut moving.counts {
             counts.clear(valid.len(), moving.targets.len());
         }
+        let targets: Vec<&Target> = moving.targets.iter().map(|t| source.target(*t)).collect();
         let kernel = RasterizeMoving {
             placed,
             blocks: &moving.blocks,
-            triangles: &moving.targets,
+            triangles: &targets,
             outlines: outlined.then_some(&moving.outlines),
             objects: &self.geometry.objects,
             nearest: source.nearest,
@@ -567,13 +570,13 @@ impl<'a> Drawing<'a> {
                 .clone()
                 .map(|t| vertices(self.scene, self.geometry, t)),
         );
-        if let Some(moving) = moving {
+        if let (Some(moving), Source::Moving(source)) = (moving.as_mut(), &self.source) {
             moving.attributes.clear();
             let found = fragments.visible.iter().zip(corners.iter());
             moving.attributes.extend(found.map(|(&slot, start)| {
                 let slot = slot as usize - 1;
                 let end = vertices_at_end(self.scene, self.geometry, &triangles[slot]);
-                MovingAttributes::new(&moving.targets[slot], start, &end)
+                MovingAttributes::new(source.target(moving.targets[slot]), start, &end)
             }));
         }
         let visible = visible.zip(corners.iter());

@@ -5,7 +5,7 @@ use glam::{DVec2, UVec2};
 use crate::Simd;
 use crate::kernels::{PlacePolar, PlaceWarped, Plain, PolarTable, Seen, dispatch, sub_sample};
 use crate::live::grid;
-use crate::moving::Warp;
+use crate::moving::{EvenPlaces, Warp};
 use crate::msaa::offsets;
 use crate::pass::msaa;
 use crate::placed::PlacedTile;
@@ -26,6 +26,8 @@ pub(crate) struct Placement {
     /// Whether samples are shaded where visibility is asked for.
     centred: bool,
     warp: Option<Warp>,
+    /// Of passes with a warp, whether samples lie evenly all the same.
+    even: Option<EvenPlaces>,
     /// Whether positions off the display are moved onto its edge.
     onto_display: bool,
 }
@@ -106,6 +108,7 @@ impl Placement {
             positions: if shares { 1 } else { msaa.positions() as usize },
             kind,
             centred,
+            even: warp.and_then(|w| w.even_places(pass, plan.display_px)),
             warp,
             onto_display: !matches!(pass.map, Map::Affine(_)),
         })
@@ -114,6 +117,11 @@ impl Placement {
     /// What bends or spreads over time what its samples look at.
     pub(crate) fn warp(&self) -> Option<&Warp> {
         self.warp.as_ref()
+    }
+
+    /// Where and when its samples look, if they lie evenly and triangles move.
+    pub(crate) fn even(&self) -> Option<EvenPlaces> {
+        self.even
     }
 
     /// Room for a tile of its samples.

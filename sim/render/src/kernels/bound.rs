@@ -1,11 +1,13 @@
 use fearless_simd::prelude::*;
 
+use glam::{DVec2, UVec2};
+
 use super::Kernel;
 use super::lanes::{Simd, three, two};
 use super::wide::{F, M, piece, splat};
-use crate::moving::{Target, px};
+use crate::moving::{EvenBlock, EvenPlaces, Target, px};
 use crate::placed::BLOCKS;
-use crate::tile::{ALL, BLOCKS_ACROSS, LANES, LaneSet};
+use crate::tile::{ALL, BLOCKS_ACROSS, LANES, LaneSet, TILE};
 
 /// Sixteen square blocks of samples, a block to a lane: planes for u, v and t, and how far samples are from them. They
 /// are [`Node`](foveasim_models::raster::Node)s in lanes; names and proof are those of `docs/bounds.md`.
@@ -91,6 +93,19 @@ impl Sixteen {
         live: 0,
         extent: 0.0,
     };
+
+    /// Up to sixteen boxes, least and greatest along x and y: for [`Sixteen::meets`] alone.
+    pub(crate) fn of_boxes(boxes: &[[[f32; 2]; 2]]) -> Self {
+        let mut all = Self::NONE;
+        for (lane, bounds) in boxes.iter().enumerate().take(LANES) {
+            for (k, [low, high]) in bounds.iter().enumerate() {
+                all.low[k][lane] = *low;
+                all.high[k][lane] = *high;
+            }
+            all.live |= 1 << lane;
+        }
+        all
+    }
 
     /// The image positions that any block has: least and greatest along x and y \[px\]; an empty range if none is live.
     pub(crate) fn image_bounds(&self) -> [[f32; 2]; 2] {
@@ -178,6 +193,33 @@ impl Sixteen {
         self.live |= 1 << lane;
     }
 
+    /// Fills a lane with a block of evenly placed samples about lattice position `middle`.
+    fn fill_evenly(&mut self, lane: usize, places: &EvenPlaces, middle: DVec2) {
+        let EvenBlock {
+            middle,
+            slopes,
+            off,
+        } = places.block(middle);
+        let around = |c: usize, most: f32| [middle[c] - most, middle[c] + most];
+        let rest = [0, 1, 2].map(|c| around(c, off[c]));
+        let range = [0, 1, 2].map(|c| {
+            let step = (slopes[0][c].abs() + slopes[1][c].abs()) * self.extent;
+            around(c, (step + off[c]) * MORE)
+        });
+        self.fill(lane, slopes, rest, range);
+    }
+
+    /// The tile whose first sample is at lattice position `origin`, in lane 0, its samples evenly placed.
+    pub(crate) fn even_tile(places: &EvenPlaces, origin: UVec2) -> Self {
+        let half = f64::from(TILE - 1) / 2.0;
+        let mut tile = Self {
+            extent: half as f32,
+            ..Self::NONE
+        };
+        tile.fill_evenly(0, places, origin.as_dvec2() + half);
+        tile
+    }
+
     /// A block of the sixteen blocks here, 4 × 4 of them, which have `side` samples each way.
     #[inline(always)]
     fn join(&self, side: f32, out: &mut Self, to: usize) {
@@ -227,6 +269,36 @@ impl TileBlocks {
         parts: Sixteen::NONE,
         tile: Sixteen::NONE,
     };
+
+    /// Those of the tile whose first sample is at lattice position `origin`, its samples evenly placed: what [`FindBlocks`]
+    /// finds from the samples themselves, without looking at them. Blocks without a `valid` sample are left out.
+    pub(crate) fn find_even(&mut self, places: &EvenPlaces, origin: UVec2, valid: &[LaneSet]) {
+        let origin = origin.as_dvec2();
+        let middle = |k: usize, side: f64| {
+            let at = DVec2::new((k % 4) as f64, (k / 4) as f64);
+            at * side + (side - 1.0) / 2.0
+        };
+        self.parts = Sixteen {
+            extent: 7.5,
+            ..Sixteen::NONE
+        };
+        self.tile = Sixteen::NONE;
+        for part in 0..PARTS {
+            let out = &mut self.blocks[part];
+            out.live = 0;
+            out.extent = 1.5;
+            let first = origin + DVec2::new((part % 4) as f64, (part / 4) as f64) * 16.0;
+            for lane in 0..LANES {
+                if valid[block_of(part, lane)] != 0 {
+                    out.fill_evenly(lane, places, first + middle(lane, 4.0));
+                }
+            }
+            if out.live != 0 {
+                self.parts
+                    .fill_evenly(part, places, origin + middle(part, 16.0));
+            }
+        }
+    }
 }
 
 impl Kernel for FindBlocks<'_> {
@@ -339,9 +411,9 @@ impl Sixteen {
             simd,
             #[inline(always)]
             || self.meets(simd, t),
-        ) & self.live;
+        );
         // To ask the bound of one block costs as much as to go on into it.
-        if met & met.wrapping_sub(1) == 0 {
+        if met.count_ones() <= 1 {
             return met;
         }
         let volume = piece(
@@ -370,7 +442,7 @@ impl Sixteen {
         met & (sides.front | sides.back).to_bitmask() as LaneSet
     }
 
-    /// Blocks whose box meets that of the triangle.
+    /// Blocks with a live sample whose box meets that of the triangle.
     #[inline(always)]
     pub(crate) fn meets<S: Simd>(&self, simd: S, t: &Target) -> LaneSet {
         let [x, y] = t.bounds;
@@ -378,7 +450,7 @@ impl Sixteen {
             & F::from_slice(simd, &self.high[0]).simd_ge(x[0])
             & F::from_slice(simd, &self.low[1]).simd_le(y[1])
             & F::from_slice(simd, &self.high[1]).simd_ge(y[0]);
-        met.to_bitmask() as LaneSet
+        met.to_bitmask() as LaneSet & self.live
     }
 
     #[inline(always)]

@@ -27,7 +27,7 @@ pub(crate) struct RasterizeMoving<'a> {
     pub(crate) placed: &'a PlacedTile,
     pub(crate) blocks: &'a TileBlocks,
     /// Those that may meet the tile.
-    pub(crate) triangles: &'a [Target],
+    pub(crate) triangles: &'a [&'a Target],
     /// What a published bound leaves of the lattice; ours decides without.
     pub(crate) outlines: Option<&'a Outlines>,
     pub(crate) objects: &'a [Object],
@@ -84,7 +84,7 @@ impl Kernel for RasterizeMoving<'_> {
 struct Drawing<'a> {
     placed: &'a PlacedTile,
     blocks: &'a TileBlocks,
-    triangles: &'a [Target],
+    triangles: &'a [&'a Target],
     objects: &'a [Object],
     nearest: f32,
     skip_occluded: bool,

@@ -21,5 +21,5 @@ pub use counts::{BoundCounts, TriangleCount, bound_counts};
 pub(crate) use setup::{MovingSetUp, MovingTriangles, find_blocks, set_up_moving};
 pub use trace::sample_looks;
 pub(crate) use trace::trace_moving;
-pub(crate) use triangle::{ANYWHERE, Dropped, Target, px};
-pub(crate) use warp::Warp;
+pub(crate) use triangle::{ANYWHERE, Dropped, Seen, Target, px};
+pub(crate) use warp::{EvenBlock, EvenPlaces, Warp};

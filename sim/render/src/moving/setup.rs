@@ -8,7 +8,7 @@ use glam::{DVec2, DVec3, UVec2};
 use rayon::prelude::*;
 
 use super::bins::TileBins;
-use super::{Dropped, Outlines, Target};
+use super::{Dropped, Outlines, Seen, Target};
 use crate::kernels::lanes::Simd;
 use crate::kernels::{FindBlocks, Kernel, Sixteen, TileBlocks, dispatch};
 use crate::live::{Live, grid};
@@ -54,8 +54,17 @@ pub(crate) fn set_up_moving(pass: &MovingSetUp<'_>, objects: &[u32]) -> (MovingT
     let count = (across * size.y.div_ceil(TILE)) as usize;
     let tiles = pass.tiles(across, count);
     let outlined = pass.options.bound.filter(|bound| bound.is_outlined());
-    let groups: Vec<_> = tiles.iter().map(Sixteen::image_bounds).collect();
-    let image = around(&groups);
+    let bounds: Vec<_> = tiles.iter().map(Sixteen::image_bounds).collect();
+    let groups: Vec<_> = bounds.chunks(WIDTH).map(Sixteen::of_boxes).collect();
+    let warp = pass.placement.warp();
+    let seen = Seen {
+        around: &around(&bounds),
+        scan: warp.and_then(|warp| warp.image_scan(pass.view.optics.size)),
+        // What published bounds test is counted as published.
+        grid: warp
+            .filter(|_| outlined.is_none())
+            .and_then(|_| pass.placement.even()),
+    };
     let sampling = outlined.map(|bound| {
         let sampling = Sampling {
             scan: pass.placement.warp().and_then(|w| w.scan),
@@ -71,7 +80,7 @@ pub(crate) fn set_up_moving(pass: &MovingSetUp<'_>, objects: &[u32]) -> (MovingT
                 sampling,
                 tiles: &tiles,
                 groups: &groups,
-                image,
+                seen,
                 across,
                 count,
                 segments: segments.into_iter().map(|s| (s.object, s.range)).collect(),
@@ -114,6 +123,9 @@ impl MovingSetUp<'_> {
                 let tile = SampleTile::of(self.pass, index % across, index / across);
                 if !buffers.clear(&tile, self.live, &mut Work::default()) {
                     return Sixteen::NONE;
+                }
+                if let Some(places) = self.placement.even() {
+                    return Sixteen::even_tile(&places, tile.origin);
                 }
                 self.placement.place(&tile, simd, placed);
                 find_blocks(placed, &buffers.valid, blocks, simd);
@@ -158,13 +170,18 @@ pub(crate) fn find_blocks(
 }
 
 impl MovingTriangles {
-    /// The triangles that may cover a sample of the tile, in the order they were set up, and for the rest of the renderer
-    /// what stands for them; what a published bound leaves of it, if one is used.
+    /// A triangle by its name.
+    pub(crate) fn target(&self, [job, place]: [u32; 2]) -> &Target {
+        &self.jobs[job as usize].targets[place as usize]
+    }
+
+    /// The names of triangles that may cover a sample of the tile, in the order they were set up, and for the rest of the
+    /// renderer what stands for them; what a published bound leaves of it, if one is used.
     pub(crate) fn tile(
         &self,
         tile: &SampleTile,
         valid: &[LaneSet],
-        targets: &mut Vec<Target>,
+        targets: &mut Vec<[u32; 2]>,
         named: &mut Vec<SetUpTriangle>,
         outlines: &mut Outlines,
     ) {
@@ -172,25 +189,28 @@ impl MovingTriangles {
         let index = (place.y * self.across + place.x) as usize;
         targets.clear();
         outlines.clear();
-        for job in &self.jobs {
+        for (number, job) in self.jobs.iter().enumerate() {
             for &place in job.bins.tile(index) {
-                targets.push(job.targets[place as usize]);
+                targets.push([number as u32, place]);
                 if let Some(outline) = job.outlines.get(place as usize) {
                     outlines.push(outline, tile.origin, valid);
                 }
             }
         }
         named.clear();
-        named.extend(targets.iter().map(|t| SetUpTriangle {
-            // Only names are read.
-            corners: [[0, 0], [0, 256], [256, 0]],
-            depth: [0.0; 3],
-            depth_range: [0.0; 2],
-            bounds: [[0; 2]; 2],
-            is_small: true,
-            is_whole: true,
-            object: t.object,
-            triangle: t.triangle,
+        named.extend(targets.iter().map(|name| {
+            let t = self.target(*name);
+            SetUpTriangle {
+                // Only names are read.
+                corners: [[0, 0], [0, 256], [256, 0]],
+                depth: [0.0; 3],
+                depth_range: [0.0; 2],
+                bounds: [[0; 2]; 2],
+                is_small: true,
+                is_whole: true,
+                object: t.object,
+                triangle: t.triangle,
+            }
         }));
     }
 }
@@ -200,10 +220,9 @@ struct SetUpJob<'a> {
     pass: &'a MovingSetUp<'a>,
     sampling: Option<(Bound, Sampling)>,
     tiles: &'a [Sixteen],
-    /// Where any sample of sixteen tiles looks.
-    groups: &'a [[[f32; 2]; 2]],
-    /// Where any sample looks.
-    image: [[f32; 2]; 2],
+    /// Where any sample of sixteen tiles looks, sixteen times.
+    groups: &'a [Sixteen],
+    seen: Seen<'a>,
     across: u32,
     count: usize,
     segments: Vec<(u32, Range<usize>)>,
@@ -235,7 +254,7 @@ impl Kernel for &mut SetUpJob<'_> {
             for index in range {
                 let moving = corners.triangle(triangles[index]);
                 let names = [object, index as u32];
-                match Target::set_up(&moving, options.near_m, &self.image, both_faces, names) {
+                match Target::set_up(&moving, options.near_m, &self.seen, both_faces, names) {
                     Err(Dropped::Outside) => self.work.triangles_outside += 1,
                     Err(Dropped::BackFacing) => self.work.triangles_back_facing += 1,
                     Ok(target) => self.keep(simd, target, &moving),
@@ -251,17 +270,17 @@ impl SetUpJob<'_> {
         let (place, before) = (self.targets.len() as u32, self.pairs.len());
         match &self.sampling {
             None => {
-                let [x, y] = target.bounds;
-                for (group, tiles) in self.tiles.iter().enumerate() {
-                    let [[left, right], [up, down]] = self.groups[group];
-                    if left > x[1] || right < x[0] || up > y[1] || down < y[0] {
-                        continue;
-                    }
-                    let mut met = tiles.may_cover(simd, &target);
-                    while met != 0 {
-                        let tile = group * WIDTH + met.trailing_zeros() as usize;
-                        met &= met - 1;
-                        self.pairs.push([tile as u32, place]);
+                for (sixteen, groups) in self.groups.iter().enumerate() {
+                    let mut of_sixteen = groups.meets(simd, &target);
+                    while of_sixteen != 0 {
+                        let group = sixteen * WIDTH + of_sixteen.trailing_zeros() as usize;
+                        of_sixteen &= of_sixteen - 1;
+                        let mut met = self.tiles[group].may_cover(simd, &target);
+                        while met != 0 {
+                            let tile = group * WIDTH + met.trailing_zeros() as usize;
+                            met &= met - 1;
+                            self.pairs.push([tile as u32, place]);
+                        }
                     }
                 }
             }

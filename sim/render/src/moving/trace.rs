@@ -4,7 +4,7 @@ use glam::{DVec3, UVec2};
 use rayon::prelude::*;
 
 use super::setup::Corners;
-use super::{ANYWHERE, MovingSetUp, Target, px};
+use super::{ANYWHERE, MovingSetUp, Seen, Target, px};
 use crate::bvh::{Aabb, Bvh};
 use crate::live::{Live, grid};
 use crate::pass::check_position;
@@ -89,6 +89,12 @@ pub(crate) fn trace_moving(
 
 /// All triangles that are not behind the near plane or show their backs at all times.
 fn targets(pass: &MovingSetUp<'_>, objects: &[u32]) -> Vec<Target> {
+    let warp = pass.placement.warp();
+    let seen = Seen {
+        around: &ANYWHERE,
+        scan: warp.and_then(|warp| warp.image_scan(pass.view.optics.size)),
+        grid: None,
+    };
     let mut targets = Vec::new();
     for &object in objects {
         let place = pass.geometry.objects[object as usize];
@@ -100,7 +106,7 @@ fn targets(pass: &MovingSetUp<'_>, objects: &[u32]) -> Vec<Target> {
             let moving = corners.triangle(*names);
             let named = [object, index as u32];
             let near = pass.options.near_m;
-            targets.extend(Target::set_up(&moving, near, &ANYWHERE, both_faces, named));
+            targets.extend(Target::set_up(&moving, near, &seen, both_faces, named));
         }
     }
     targets

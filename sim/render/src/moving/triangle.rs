@@ -1,6 +1,6 @@
 use foveasim_models::raster::{Facing, Forms, MovingTriangle};
-use glam::DVec3;
 
+use super::warp::{EvenPlaces, ImageScan};
 use crate::project::SUBSAMPLES;
 
 /// A moving triangle ready for rasterization, in single precision: [`Forms`] of image positions \[px\] and time.
@@ -44,42 +44,34 @@ pub(crate) enum Dropped {
 /// of a pixel; corners of slivers would reach on from there, and are cut off here.
 const MARGIN: f64 = 1.0 / 16.0;
 
+/// Times between the ends of which a triangle's places are not asked for anew: it is there most of the scan.
+const MOST_OF_THE_SCAN: f64 = 0.75;
+
 /// Bounds of what crosses the eye's plane: anywhere.
 pub(crate) const ANYWHERE: [[f32; 2]; 2] = [[f32::MIN, f32::MAX]; 2];
 
 impl Target {
     /// Sets a triangle up that is not nearer than `near` at all times \[m\], if it may be seen where samples look, within
-    /// `image` \[px\].
+    /// `image` \[px\]. With a `scan`, its bounds are those of where it is when that part of the image is looked at.
+    #[inline(always)]
     pub(crate) fn set_up(
         t: &MovingTriangle,
         near: f64,
-        image: &[[f32; 2]; 2],
+        image: &Seen<'_>,
         both_faces: bool,
         [object, triangle]: [u32; 2],
     ) -> Result<Self, Dropped> {
-        let points = t.0.map(|p| [p.start, p.end]);
-        let points: &[DVec3] = points.as_flattened();
-        let most = points.iter().fold(f64::NEG_INFINITY, |m, p| m.max(p.z));
-        let least = points.iter().fold(f64::INFINITY, |m, p| m.min(p.z));
-        if !points.iter().all(|p| p.is_finite()) || most < near {
+        let corners = Corners::new(t);
+        let [least, most] = range(&corners.at[2]);
+        if !corners.at.as_flattened().iter().all(|x| x.is_finite()) || most < near {
             return Err(Dropped::Outside);
         }
         let in_front = least > 0.0;
-        let mut bounds = ANYWHERE;
-        if in_front {
-            for (axis, bounds) in bounds.iter_mut().enumerate() {
-                let places = points.iter().map(|p| p[axis] / p.z);
-                let (low, high) = places.fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), x| {
-                    (l.min(x), h.max(x))
-                });
-                *bounds = [(low - MARGIN) as f32, (high + MARGIN) as f32];
-            }
-        }
-        let beside = |axis: usize| {
-            let ([low, high], [first, last]) = (bounds[axis], image[axis]);
-            low > last || high < first
+        let bounds = match in_front {
+            true => image.bounds(&corners),
+            false => ANYWHERE,
         };
-        if beside(0) || beside(1) {
+        if !image.shows(&bounds) {
             return Err(Dropped::Outside);
         }
         let facing = match both_faces {
@@ -90,9 +82,6 @@ impl Target {
             return Err(Dropped::BackFacing);
         };
         let volume = *forms.volume_coefficients();
-        if !both_faces && is_never_negative(volume) {
-            return Err(Dropped::BackFacing);
-        }
         let depth_range = match in_front {
             true => [
                 (1.0 / most) as f32,
@@ -156,13 +145,106 @@ impl Target {
     }
 }
 
-/// Whether a polynomial of third degree is nowhere negative from 0 to 1 by its Bézier points.
-fn is_never_negative(d: [f32; 4]) -> bool {
-    let [a, b, c, d] = d.map(f64::from);
-    let points = [a, a + b / 3.0, a + b * (2.0 / 3.0) + c / 3.0, a + b + c + d];
-    // Far above what f32 and these sums can round.
-    let slack = 1e-5 * (a.abs() + b.abs() + c.abs() + d.abs());
-    points.iter().all(|p| *p >= slack)
+/// What of the image samples look at, and when: what decides whether a triangle can be seen at all.
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct Seen<'a> {
+    /// Around all places \[px\].
+    pub(crate) around: &'a [[f32; 2]; 2],
+    /// When places are looked at, where that is known.
+    pub(crate) scan: Option<ImageScan>,
+    /// Which places, where they lie evenly.
+    pub(crate) grid: Option<EvenPlaces>,
+}
+
+impl Seen<'_> {
+    /// The box around all places of a triangle in front of the eye, wider by [`MARGIN`]: at the times that the box around
+    /// its places at all times is looked at. What is seen of it is seen there and then.
+    #[inline(always)]
+    fn bounds(&self, corners: &Corners) -> [[f32; 2]; 2] {
+        let all = corners.places();
+        let Some(scan) = self.scan else {
+            return all;
+        };
+        let times = scan.times(&all);
+        if times[1] - times[0] > MOST_OF_THE_SCAN {
+            return all;
+        }
+        let then = corners.between(times).places();
+        [0, 1].map(|k| [all[k][0].max(then[k][0]), all[k][1].min(then[k][1])])
+    }
+
+    /// Whether a sample may look at a place within `bounds`.
+    #[inline(always)]
+    fn shows(&self, bounds: &[[f32; 2]; 2]) -> bool {
+        let meets = |k: usize| {
+            let ([low, high], [first, last]) = (bounds[k], self.around[k]);
+            low <= last && high >= first
+        };
+        meets(0) && meets(1) && self.grid.is_none_or(|grid| grid.has_one_within(bounds))
+    }
+}
+
+/// The corners of a triangle at two times, in homogeneous pixels: by component, the three at the first time, then
+/// those at the second. Side by side, so that what is done to all is done at once.
+struct Corners {
+    at: [[f64; 6]; 3],
+}
+
+impl Corners {
+    /// At the scan's start and end.
+    #[inline(always)]
+    fn new(t: &MovingTriangle) -> Self {
+        let mut at = [[0.0; 6]; 3];
+        for (i, corner) in t.0.iter().enumerate() {
+            let (start, end) = (corner.start.to_array(), corner.end.to_array());
+            for (at, (start, end)) in at.iter_mut().zip(start.into_iter().zip(end)) {
+                at[i] = start;
+                at[i + 3] = end;
+            }
+        }
+        Self { at }
+    }
+
+    /// Those from `times[0]` to `times[1]`, of those from 0 to 1.
+    #[inline(always)]
+    fn between(&self, times: [f64; 2]) -> Self {
+        let mut at = [[0.0; 6]; 3];
+        for (at, own) in at.iter_mut().zip(&self.at) {
+            for i in 0..3 {
+                let way = own[i + 3] - own[i];
+                at[i] = own[i] + way * times[0];
+                at[i + 3] = own[i] + way * times[1];
+            }
+        }
+        Self { at }
+    }
+
+    /// The box around all their places in the image between the two times, wider by [`MARGIN`]: each goes along a
+    /// straight line.
+    #[inline(always)]
+    fn places(&self) -> [[f32; 2]; 2] {
+        let [x, y, w] = &self.at;
+        let (mut u, mut v) = ([0.0; 6], [0.0; 6]);
+        for i in 0..6 {
+            let per_w = 1.0 / w[i];
+            u[i] = x[i] * per_w;
+            v[i] = y[i] * per_w;
+        }
+        let around = |[low, high]: [f64; 2]| [(low - MARGIN) as f32, (high + MARGIN) as f32];
+        [around(range(&u)), around(range(&v))]
+    }
+}
+
+/// The least and greatest of numbers.
+#[inline(always)]
+fn range(numbers: &[f64; 6]) -> [f64; 2] {
+    let least = |a: f64, b: f64| if b < a { b } else { a };
+    let most = |a: f64, b: f64| if b > a { b } else { a };
+    let [a, b, c, d, e, f] = *numbers;
+    [
+        least(least(least(a, b), least(c, d)), least(e, f)),
+        most(most(most(a, b), most(c, d)), most(e, f)),
+    ]
 }
 
 /// Image position of a place in sub-samples \[px\]: exact.

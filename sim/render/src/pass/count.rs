@@ -1,7 +1,7 @@
 use foveasim_assets::Scene;
 use foveasim_models::{SamplePlan, View, Work};
 
-use super::{Drawing, Scratch, check_position, tiles};
+use super::{Drawing, Scratch, Source, check_position, tiles};
 use crate::live::grid;
 use crate::moving::Counts;
 use crate::tile::SampleTile;
@@ -41,14 +41,15 @@ pub(crate) fn count_tests(
             moving.counts = Some(Counts::default());
         }
         drawing.find_visible(&tile, &mut scratch, &mut work);
-        let Some(moving) = &scratch.moving else {
+        let (Some(moving), Source::Moving(source)) = (&scratch.moving, &drawing.source) else {
             continue;
         };
         let Some(counts) = &moving.counts else {
             continue;
         };
         out.add_tile(tile.origin, tile.size, counts);
-        let of_tile = moving.targets.iter().zip(&counts.triangles);
+        let targets = moving.targets.iter().map(|t| source.target(*t));
+        let of_tile = targets.zip(&counts.triangles);
         let tested = of_tile.filter(|(_, [tested, _])| *tested > 0);
         out.triangles
             .extend(tested.map(|(t, [tested, covered])| crate::TriangleCount {

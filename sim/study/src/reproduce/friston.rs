@@ -6,6 +6,7 @@ mod head;
 mod page;
 mod paper;
 mod place;
+mod published;
 mod rolling;
 mod scaling;
 mod shadow;

@@ -1,5 +1,7 @@
 use foveasim_reports::{BarChart, BarSeries, Page, png, shrink, side_by_side};
 
+use crate::reproduce::Reproduction;
+
 use super::{
     Family, FoveatedRow, FoveatedWay, Friston2019Outcome, ReproduceError, RollingRow, RollingWay,
 };
@@ -10,33 +12,36 @@ const GAP: u32 = 4;
 const PICTURE_PX: u32 = 420;
 
 impl Friston2019Outcome {
-    /// All files of the reproduction: tables as CSV, charts as SVG, pictures as PNG, and one page with all of them.
+    /// Tables, charts, pictures and the page.
     ///
     /// # Errors
-    /// If a picture cannot be written.
-    pub fn files(&self) -> Result<Vec<(String, Vec<u8>)>, ReproduceError> {
-        let mut files: Vec<(String, Vec<u8>)> = Vec::new();
-        let mut add = |name: &str, text: String| files.push((name.to_owned(), text.into_bytes()));
-        add("fig12-foveated.csv", self.foveated_table().csv());
-        add("fig12-rolling.csv", Self::table_of(&self.rolling).csv());
-        add("fig12-both.csv", Self::table_of(&self.both).csv());
-        add("fig12-shadow.csv", self.shadow_table().csv());
-        add("fig13-resolution.csv", self.resolution_table().csv());
-        add("fig13-turn.csv", Self::table_of(&self.turns).csv());
-        add("fig14.csv", self.strength_table().csv());
-        add("head.csv", self.head_table().csv());
+    /// If a picture cannot be encoded.
+    pub fn reproduction(&self) -> Result<Reproduction, ReproduceError> {
+        let mut out = Reproduction {
+            page: Some(self.page()?),
+            summary: vec![("", self.foveated_table())],
+            published: self.published(),
+            ..Reproduction::default()
+        };
+        out.add_table("fig12-foveated.csv", self.foveated_table());
+        out.add_table("fig12-rolling.csv", Self::table_of(&self.rolling));
+        out.add_table("fig12-both.csv", Self::table_of(&self.both));
+        out.add_table("fig12-shadow.csv", self.shadow_table());
+        out.add_table("fig13-resolution.csv", self.resolution_table());
+        out.add_table("fig13-turn.csv", Self::table_of(&self.turns));
+        out.add_table("fig14.csv", self.strength_table());
+        out.add_table("head.csv", self.head_table());
         for (name, _, svg) in self.charts() {
-            add(&format!("{name}.svg"), svg);
+            out.add_chart(&format!("{name}.svg"), svg);
         }
-        add("report.html", self.page()?);
         for (scene, [common, warped, rolling]) in self.asked.scenes.iter().zip(&self.pictures) {
             let picture = side_by_side(&[common, warped, rolling], GAP);
-            files.push((format!("fig8-{}.png", scene.name()), png(&picture)?));
+            out.add_picture(format!("fig8-{}.png", scene.name()), png(&picture)?);
         }
         for (bound, picture) in &self.efficiency {
-            files.push((format!("fig15-{}.png", bound.name()), png(picture)?));
+            out.add_picture(format!("fig15-{}.png", bound.name()), png(picture)?);
         }
-        Ok(files)
+        Ok(out)
     }
 
     /// Every chart: name of its file, caption, picture.

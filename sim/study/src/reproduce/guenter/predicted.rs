@@ -5,8 +5,8 @@ use foveasim_models::{Acuity, ModelError, SLOPE_A, SLOPE_B};
 use foveasim_reports::{LineChart, LineSeries, Table};
 use rayon::prelude::*;
 
-use super::line::Line;
 use super::paper::PREDICTED_ASPECT;
+use crate::line::Line;
 
 /// The curves of Fig. 12: how many layers, and whether the middle one has the scale 2 of the user
 /// study instead of the best one (n = 3*).

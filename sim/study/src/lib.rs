@@ -77,8 +77,8 @@ pub use reproduce::{
     SteinRow, StrengthRow, Table1, Table1Cell, TimeFit, Times, UserSigmas, Verdict,
 };
 pub use run::{
-    MARGIN_TOLERANCE_DEG, MOMENT_PICTURES, MarginLoop, MarginStep, MethodSaving, Moment,
-    PlanCost, Run, RunError, Savings, close_margin, run,
+    Evidence, EvidenceError, Growth, MARGIN_TOLERANCE_DEG, MOMENT_PICTURES, MarginLoop, MarginStep,
+    MethodSaving, Moment, PlanCost, Run, RunError, Savings, close_margin, run,
 };
 pub use scan_motion::{ScanMotion, head_after};
 pub use scanlines::{ImageKind, ScanlineErrors, ScanlineStudy, Scanlines};
@@ -91,7 +91,7 @@ pub use stereo::{StereoOutcome, StereoStudy};
 pub use stress::{StressRow, StressStudy};
 pub use supersample::supersampled;
 pub use sweep::{
-    Buffers, DensityAt, Drawn, Fits, GazeAt, Link, Needs, Outcome, Resolution,
+    Buffers, DensityAt, Drawn, Fits, GazeAt, Link, MapRatio, Needs, Outcome, Resolution,
     SWEEP_COLUMNS, SavingsSpread, SavingsSpreadRow, Shard, Solution, Solve, Sweep, SweepDisplay,
     SweepEye, SweepRow, Target, Terms, Unknown,
 };

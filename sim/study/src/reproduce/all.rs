@@ -64,7 +64,7 @@ impl AllPublished {
         let differing: Vec<&Published> = self.of(Verdict::Differs).collect();
         if !differing.is_empty() {
             page.heading("What differs");
-            page.table("", &Published::page_table(&differing));
+            add_table(&mut page, "", &differing);
         }
         for paper in Paper::ALL {
             let of_paper = self.numbers.iter().filter(|p| p.paper == paper);
@@ -74,15 +74,13 @@ impl AllPublished {
             }
             page.heading(paper.title());
             if !others.is_empty() {
-                page.table(
-                    "Computed, counted and simulated",
-                    &Published::page_table(&others),
-                );
+                add_table(&mut page, "Computed, counted and simulated", &others);
             }
             if !times.is_empty() {
-                page.table(
+                add_table(
+                    &mut page,
                     "Times of this machine beside the paper's",
-                    &Published::page_table(&times),
+                    &times,
                 );
             }
         }
@@ -96,5 +94,15 @@ impl AllPublished {
             "Each paper's folder beside this page holds what its own reproduction shows: tables as CSV, charts, pictures and a page.",
         );
         page.html()
+    }
+}
+
+/// A table of numbers, and below it why some differ.
+fn add_table(page: &mut Page, caption: &str, numbers: &[&Published]) {
+    let (table, reasons) = Published::page_table(numbers);
+    page.table(caption, &table);
+    if !reasons.is_empty() {
+        let numbered = reasons.iter().zip(1..);
+        page.list(numbered.map(|(why, k)| format!("[{k}] {why}.")));
     }
 }

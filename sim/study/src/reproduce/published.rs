@@ -31,7 +31,7 @@ pub enum Printed {
     /// A number that ours is not to fall short of.
     AtLeast(f64),
     /// Not printed: from an independent solution of the paper's equations, in more digits than f64 has
-    /// (docs/methods.md names each).
+    /// (docs/reproduce.md).
     Independent(f64),
 }
 
@@ -202,24 +202,40 @@ impl Published {
         table
     }
 
-    /// One row per number without its paper, for a page that says it above.
-    pub(super) fn page_table(all: &[&Self]) -> Table {
+    /// One row per number, for a page: reasons are numbered, and come beside the table, each once.
+    pub(super) fn page_table(all: &[&Self]) -> (Table, Vec<String>) {
         let mut table = Table::new([
             "place",
             "quantity",
-            "relation",
             "printed",
             "ours",
             "ratio",
             "tolerance",
-            "basis",
             "verdict",
-            "why",
         ]);
+        let mut reasons: Vec<String> = Vec::new();
         for p in all {
-            table.push(p.cells());
+            let mut verdict = p.verdict_text().to_owned();
+            if let Some(why) = p.why() {
+                let known = reasons.iter().position(|r| r == why);
+                let number = known.unwrap_or_else(|| {
+                    reasons.push(why.to_owned());
+                    reasons.len() - 1
+                });
+                verdict = format!("{verdict} [{}]", number + 1);
+            }
+            let tolerance = p.tolerance();
+            table.push(vec![
+                p.place.into(),
+                p.quantity.as_str().into(),
+                p.printed.cell(),
+                p.ours.into(),
+                p.ratio().into(),
+                tolerance.is_finite().then_some(tolerance).into(),
+                verdict.into(),
+            ]);
         }
-        table
+        (table, reasons)
     }
 
     /// One row per number in few columns, for a terminal.
@@ -242,6 +258,7 @@ impl Published {
         table
     }
 
+    /// All of it but the paper.
     fn cells(&self) -> Vec<Cell> {
         let tolerance = self.tolerance();
         vec![
@@ -280,7 +297,18 @@ impl Printed {
             Self::Number(_) => "equals",
             Self::AtMost(_) => "at most",
             Self::AtLeast(_) => "at least",
-            Self::Independent(_) => "equals, not printed: solved independently",
+            Self::Independent(_) => "equals (solved independently)",
+        }
+    }
+}
+
+impl Printed {
+    /// Bounds say that they are.
+    fn cell(self) -> Cell {
+        match self {
+            Self::Number(v) | Self::Independent(v) => v.into(),
+            Self::AtMost(v) => format!("≤ {v}").into(),
+            Self::AtLeast(v) => format!("≥ {v}").into(),
         }
     }
 }

@@ -51,7 +51,7 @@ impl Friston2019Outcome {
             (
                 "fig12-time",
                 "Fig. 12: time of a frame over that of common rasterization",
-                self.bars("Time over common rasterization", "ratio", |r| {
+                self.bars("Foveated: time over common rasterization", "ratio", |r| {
                     Some(r.over_common)
                 }),
             ),
@@ -63,7 +63,9 @@ impl Friston2019Outcome {
             (
                 "fig12-rolling-time",
                 "Fig. 12: time on a rolling display over that of common rasterization",
-                self.rolling_bars("Time over common rasterization", "ratio", |r| r.over_common),
+                self.rolling_bars("Rolling: time over common rasterization", "ratio", |r| {
+                    r.over_common
+                }),
             ),
             (
                 "fig12-rolling-ssim",
@@ -231,7 +233,8 @@ impl Friston2019Outcome {
         }
         page.table("Strengths", &self.strength_table());
         page.heading("Fig. 15: efficiency of sample tests");
-        page.paragraph("Of each sample, the share of triangles tested that cover it, on the rolling display of the first scene.");
+        page.paragraph("Of each sample, the share of triangles tested that cover it, on the rolling display of the first scene: white is all of \
+             them, black none; where no triangle was tested it is blue.");
         for (bound, picture) in &self.efficiency {
             page.picture(bound.name(), &shrink(picture, PICTURE_PX))?;
         }

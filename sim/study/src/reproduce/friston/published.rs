@@ -2,7 +2,7 @@ use foveasim_models::HeadPredictor;
 use foveasim_render::Bound;
 
 use super::strength::best;
-use super::{Family, FoveatedWay, Friston2019Outcome, RollingRow, RollingWay};
+use super::{Family, FoveatedWay, Friston2019Outcome, RollingRow, RollingWay, age};
 use crate::reproduce::{Paper, Printed, Published};
 
 const PAPER: Paper = Paper::Friston2019;
@@ -12,7 +12,7 @@ const OTHER_MACHINE: &str = "the paper's times are of a Quadro K6000 with fixed-
 const OTHER_HEAD: &str = "the recording is not published; the synthetic head is calmer, and 0.05 m within a frame would be 3.75 m/s \
      (docs/reproduce.md)";
 const NOT_CONSERVATIVE: &str = "the search behind the paper's polygons assumes one maximum where there may be two, and misses edges \
-     (docs/methods.md)";
+     (docs/bounds.md)";
 const OTHER_SCENES: &str = "with as many samples and each at its best strength, lattices that are stretched otherwise can be as good on \
      some scenes (docs/reproduce.md)";
 
@@ -51,6 +51,17 @@ impl Friston2019Outcome {
                 "over our scenes and strengths; the curve is flat about its top (fig14.csv)",
             ),
         ));
+        all.push(Published::new(
+            PAPER,
+            "§7, Fig. 16",
+            format!(
+                "age of the last row, frame of {} ms, scan of 16 ms [ms]",
+                age::RENDER_MS
+            ),
+            Printed::Number(17.0),
+            self.oldest_row_ms,
+            0.05,
+        ));
         all.extend(self.times());
         all
     }
@@ -67,7 +78,7 @@ impl Friston2019Outcome {
                 };
                 all.push(Published::new(
                     PAPER,
-                    "§5.2",
+                    "§5.2, solved",
                     format!("error of the {name} pose, {} [deg]", row.movement),
                     Printed::Independent(reference),
                     exact,

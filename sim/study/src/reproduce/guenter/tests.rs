@@ -37,7 +37,7 @@ fn everything_is_there() {
     }
     assert_eq!(found.quality.rows.len(), 19);
     assert_eq!(found.antialiasing.len(), 7);
-    check_published(&found.published(), Paper::Guenter2012, 34, 6, 33);
+    check_published(&found.published(), Paper::Guenter2012, 37, 6, 33);
 
     let names: Vec<String> = found
         .reproduction()

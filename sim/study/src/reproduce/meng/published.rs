@@ -28,7 +28,7 @@ impl Meng2020 {
         };
         let mut all = vec![Published::new(
             PAPER,
-            "Eq. 9",
+            "Eq. 9, solved",
             "gain of eye dominance, σ = (2, 3)",
             Printed::Independent(1.384_615),
             dominance_speedup(2.0, 3.0),

@@ -135,37 +135,40 @@ impl Evidence {
 
 /// Whether a chart is of this program, and asks for nothing outside of itself.
 fn is_ours(svg: &str) -> bool {
-    let outside = [
-        "<script",
-        "href",
-        "url(",
-        "@import",
-        "<image",
-        "<foreignobject",
-        " on",
-    ];
     // A title may say anything.
     let unlabelled = match svg.split_once("aria-label=\"") {
         Some((before, rest)) => before.to_owned() + rest.split_once('"').map_or("", |(_, r)| r),
         None => svg.to_owned(),
     };
     let lower = unlabelled.to_ascii_lowercase();
-    svg.starts_with("<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"fv\"")
+    let begins = "<svg xmlns=\"http://www.w3.org/2000/svg\" class=\"fv\"";
+    svg.starts_with(begins)
         && lower.trim_end().ends_with("</svg>")
         && lower.matches("</svg>").count() == 1
-        && !outside
+        && tags(&lower).all(is_harmless)
+        && !["url(", "@import", "javascript:"]
             .iter()
-            .any(|word| tags(&lower).any(|tag| tag.contains(word)))
+            .any(|w| lower.contains(w))
 }
 
-/// What stands between angle brackets, and the style sheet.
+/// What stands between angle brackets.
 fn tags(svg: &str) -> impl Iterator<Item = &str> {
-    let tags = svg
-        .split('<')
-        .skip(1)
-        .map(|s| s.split('>').next().unwrap_or(s));
-    let style = svg.split("<style>").skip(1);
-    tags.chain(style.map(|s| s.split("</style>").next().unwrap_or(s)))
+    let tags = svg.split('<').skip(1);
+    tags.map(|s| s.split('>').next().unwrap_or(s))
+}
+
+/// Whether a tag is one of those that charts are drawn with, and neither links nor acts.
+fn is_harmless(tag: &str) -> bool {
+    const DRAWN: [&str; 9] = [
+        "svg", "style", "text", "polyline", "polygon", "circle", "rect", "line", "path",
+    ];
+    let mut words = tag.trim_start_matches('/').split_ascii_whitespace();
+    let name = words.next().unwrap_or_default().trim_end_matches('/');
+    let acts = |word: &str| {
+        word.split(['"', '\'', '/'])
+            .any(|part| part.starts_with("on"))
+    };
+    DRAWN.contains(&name) && !words.any(|word| acts(word) || word.contains("href"))
 }
 
 /// Why predictions can be believed, or that nothing here says so.
@@ -251,6 +254,7 @@ mod tests {
             ours.replace("</svg>", "<script>alert(1)</script></svg>"),
             ours.replace("</svg>", "<image href=\"http://x.example\"/></svg>"),
             ours.replace("</svg>", "<rect onload=\"x()\"/></svg>"),
+            ours.replace("</svg>", "<rect x=\"1\"onload=\"x()\"/></svg>"),
             ours.replace("</style>", "@import 'http://x.example';</style>"),
             ours.replace("</svg>", "</svg><p>"),
         ] {

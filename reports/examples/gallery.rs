@@ -135,6 +135,7 @@ fn heatmap(columns: usize, rows: usize) -> Heatmap {
         x,
         y,
         scale: ColourScale::Logarithmic,
+        ends: None,
     }
 }
 

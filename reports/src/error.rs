@@ -32,6 +32,16 @@ pub enum ReportError {
         /// Width and height of the second \[px\].
         b: [u32; 2],
     },
+    /// A text that is no table.
+    #[error("{origin}:{line}: {why}")]
+    Csv {
+        /// What the text is called.
+        origin: String,
+        /// Where, from 1.
+        line: u64,
+        /// What is wrong.
+        why: String,
+    },
     /// A number that a picture cannot be drawn with.
     #[error("{what} = {value}: must be {valid}")]
     OutOfRange {

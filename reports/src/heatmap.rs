@@ -53,6 +53,9 @@ pub struct Heatmap {
     pub cells: Vec<HeatCell>,
     /// How values become colours.
     pub scale: ColourScale,
+    /// Least and greatest value of the colours, for maps that are to be compared; those of the cells if none. Cells beyond
+    /// have the colour of the end.
+    pub ends: Option<[f64; 2]>,
 }
 
 impl Heatmap {
@@ -63,12 +66,19 @@ impl Heatmap {
     pub fn svg(&self) -> String {
         let (columns, rows) = (self.x.len(), self.y.len());
         assert_eq!(self.cells.len(), columns * rows, "cells of {}", self.title);
-        let values: Vec<f64> = self.cells.iter().filter_map(|c| self.scaled(c)).collect();
+        let values: Vec<f64> = self
+            .cells
+            .iter()
+            .filter_map(|c| self.scaled(c.value))
+            .collect();
         if values.is_empty() {
             return nothing(&self.title);
         }
-        let low = values.iter().copied().fold(f64::INFINITY, f64::min);
-        let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+        let ends = self.ends.iter().flatten();
+        let ends: Vec<f64> = ends.filter_map(|v| self.scaled(Some(*v))).collect();
+        let colours = if ends.len() == 2 { &ends } else { &values };
+        let low = colours.iter().copied().fold(f64::INFINITY, f64::min);
+        let high = colours.iter().copied().fold(f64::NEG_INFINITY, f64::max);
         let colours = match self.scale {
             ColourScale::Linear => ColourAxis::linear(low, high),
             ColourScale::Logarithmic => ColourAxis::logarithmic(low, high),
@@ -146,9 +156,9 @@ impl Heatmap {
         parts.join("; ")
     }
 
-    /// A cell's value as the colour scale sees it.
-    fn scaled(&self, cell: &HeatCell) -> Option<f64> {
-        let value = cell.value.filter(|v| drawable(*v))?;
+    /// A value as the colour scale sees it.
+    fn scaled(&self, value: Option<f64>) -> Option<f64> {
+        let value = value.filter(|v| drawable(*v))?;
         match self.scale {
             ColourScale::Linear => Some(value),
             ColourScale::Logarithmic => (value > 0.0).then(|| math::log10(value)),
@@ -167,7 +177,7 @@ impl Heatmap {
             f64::midpoint(from[0], to[0]),
             f64::midpoint(from[1], to[1]) + 7.5,
         ];
-        let Some(value) = self.scaled(cell) else {
+        let Some(value) = self.scaled(cell.value) else {
             block(root, from, to, INK.mix(0.04))?;
             return text(root, "–", at, HPos::Center, SMALL, &INK);
         };

@@ -34,6 +34,7 @@ mod rows;
 mod strips;
 mod svg;
 mod table;
+mod table_reader;
 mod table_writer;
 mod theme;
 mod ticked;

@@ -10,6 +10,9 @@ use crate::{Cell, ReportError, Table};
 /// Significant digits of numbers in tables; the CSV files have all.
 const PAGE_DIGITS: usize = 5;
 
+/// Longer text in a table wraps.
+const PROSE_CHARS: usize = 48;
+
 const CSS: &str = include_str!("page.css");
 
 /// One HTML page in the making, with everything it shows inside it: it needs no network, no script
@@ -86,7 +89,15 @@ impl Page {
         let numeric: Vec<bool> = (0..table.columns().len())
             .map(|c| !table.rows().iter().any(|r| matches!(r[c], Cell::Text(_))))
             .collect();
-        let class = |c: usize| if numeric[c] { " class=\"n\"" } else { "" };
+        // Sentences wrap, names and numbers do not.
+        let prose: Vec<bool> = (0..table.columns().len())
+            .map(|c| table.rows().iter().any(|r| is_prose(&r[c])))
+            .collect();
+        let class = |c: usize| match (numeric[c], prose[c]) {
+            (true, _) => " class=\"n\"",
+            (false, true) => " class=\"t\"",
+            (false, false) => "",
+        };
         let mut out = format!(
             "<div class=\"wide\"><table><caption>{}</caption><thead><tr>",
             escape(caption)
@@ -204,6 +215,11 @@ impl Page {
         // Writing to a string cannot fail.
         let _ = writeln!(self.body, "{markup}");
     }
+}
+
+/// Whether a cell is a sentence rather than a name.
+fn is_prose(cell: &Cell) -> bool {
+    matches!(cell, Cell::Text(text) if text.chars().count() > PROSE_CHARS && text.contains(' '))
 }
 
 fn figcaption(caption: &str) -> String {

@@ -28,6 +28,7 @@ fn charts() -> Vec<String> {
             },
         ],
         scale,
+        ends: None,
     };
     let stage = |ms: f64| WaterfallStage {
         name: EVIL.into(),

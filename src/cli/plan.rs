@@ -11,7 +11,8 @@ use foveasim_models::math::to_deg;
 use foveasim_models::{Acuity, GazeMode, Rate};
 use foveasim_reports::{Heatmap, Table};
 use foveasim_study::{
-    Buffers, GazeAt, Link, Resolution, Sweep, SweepDisplay, SweepRow, Terms, parse_numbers,
+    Buffers, GazeAt, Link, MapRatio, Resolution, Sweep, SweepDisplay, SweepRow, Terms,
+    parse_numbers,
 };
 
 use super::{Context, Failure, options};
@@ -279,6 +280,7 @@ impl Args {
                 .collect();
             let map = SweepRow::heatmap(
                 order.map(|(f, h)| row(f, h, method)),
+                MapRatio::Shading,
                 format!("Times fewer shaded samples with {name}"),
                 fovs.clone(),
                 (label, y),

@@ -1,7 +1,8 @@
 use std::path::PathBuf;
 
 use foveasim_study::{
-    MARGIN_TOLERANCE_DEG, MOMENT_PICTURES, Scenario, ScenarioSpec, close_margin, read_text,
+    Evidence, MARGIN_TOLERANCE_DEG, MOMENT_PICTURES, Scenario, ScenarioSpec, close_margin,
+    read_text,
 };
 
 use super::chain::ChainFlags;
@@ -18,6 +19,7 @@ use super::{Context, Failure};
   foveasim run
   foveasim run --trace recording.csv --display quest-pro --tracker quest-pro --out out
   foveasim run --display lg-w2363d --tracker tx300 --method layers:3 --margin-deg 2 --sync tearing
+  foveasim run --method layers:3,vrs,kfr:2:1 --evidence verified
   foveasim init && foveasim run scenario.toml")]
 pub(crate) struct Args {
     /// Scenario file (TOML); `foveasim init` writes one with every key explained
@@ -81,6 +83,9 @@ pub(crate) struct Args {
     /// with frames that take what the cost profile says of the margin itself; exit 1 if there is none
     #[arg(long, value_name = "PERCENT", allow_negative_numbers = true)]
     close_margin: Option<f64>,
+    /// Folder in which plan --verify or pareto left what they measured, for the report to show
+    #[arg(long, value_name = "DIR", conflicts_with = "close_margin")]
+    evidence: Option<PathBuf>,
     #[command(flatten)]
     chain: ChainFlags,
     #[command(flatten)]
@@ -94,12 +99,13 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
     }
     // An unwritable folder is found before the work, not after.
     let mut outputs = ctx.outputs("out")?;
+    let evidence = args.evidence.as_deref().map(Evidence::read).transpose()?;
     let bar = ctx.progress(1000, "starting");
     let run = foveasim_study::run(&scenario, &|what, done| {
         bar.set_message(what.to_owned());
         bar.set_position((done * 1000.0) as u64);
     })?;
-    for (name, bytes) in run.files(&scenario)? {
+    for (name, bytes) in run.files(&scenario, evidence.as_ref())? {
         outputs.add(name, bytes);
     }
     bar.finish_and_clear();

@@ -1,6 +1,7 @@
 //! The command-line tool as its users meet it: one binary, each test in a scratch folder of its own.
 
 mod bad_input;
+mod browser;
 mod determinism;
 mod masks;
 mod plan_and_latency;

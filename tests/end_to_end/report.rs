@@ -182,3 +182,46 @@ fn init_does_not_replace_a_file_unasked() {
     ]);
     scratch.ok(&["plan", "--display", "mine.toml"]);
 }
+
+#[test]
+fn evidence_is_shown_and_its_absence_is_said() {
+    let scratch = Scratch::new();
+    std::fs::create_dir(scratch.path("found")).unwrap();
+    let run = |out: &str, more: &[&str]| {
+        let words = [&["run", "--images", "0", "--out", out][..], more].concat();
+        scratch.run(&with(&words, &QUICK[..2]))
+    };
+    let empty = run("e", &["--evidence", "found"]);
+    assert_eq!(empty.code, 2);
+    assert!(
+        empty.err.contains("want one of verify.svg"),
+        "{}",
+        empty.err
+    );
+    assert_eq!(run("e", &["--evidence", "nowhere"]).code, 2);
+    scratch.write(
+        "found/verify-summary.csv",
+        "quantity,value\nmedian error,0.04\n",
+    );
+    assert_eq!(run("e", &["--evidence", "found"]).code, 0);
+    let html = scratch.read("e/report.html");
+    assert!(html.contains("median error") && html.contains("No front of time against error"));
+    scratch.write("found/verify.svg", "<svg onload=\"x()\"></svg>");
+    let foreign = run("e", &["--evidence", "found"]);
+    assert_eq!(foreign.code, 2);
+    assert!(
+        foreign
+            .err
+            .contains("verify.svg: not a chart that foveasim wrote")
+    );
+    // Growth is of every method, at the display's own sharpness.
+    let growth = rows(&scratch.read("e/growth.csv"));
+    assert_eq!(growth.len(), 4 * 25);
+    let at = |fov: &str, method: &str| {
+        let row = growth
+            .iter()
+            .find(|r| r["fov_h_deg"] == fov && r["method"] == method);
+        number(row.expect("a row"), "sample_ratio")
+    };
+    assert!(at("90", "layers:3") > at("45", "layers:3") && at("90", "full") == 1.0);
+}

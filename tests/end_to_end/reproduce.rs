@@ -3,10 +3,42 @@
 use crate::scratch::{Scratch, number, rows};
 
 #[test]
-fn guenter_2012_in_small() {
+fn all_papers_in_small() {
     let scratch = Scratch::new();
-    let out = scratch.ok(&["reproduce", "guenter2012", "--quick", "--out", "g"]);
-    assert!(out.contains("g/report.html"), "says where it is: {out}");
+    let out = scratch.ok(&["reproduce", "all", "--quick", "--out", "all"]);
+    assert!(out.contains("all/report.html"), "says where it is: {out}");
+    let html = scratch.read("all/report.html");
+    let numbers = rows(&scratch.read("all/published.csv"));
+    for paper in [
+        "guenter2012",
+        "friston2019",
+        "bruder2019",
+        "meng2020",
+        "stein2021",
+    ] {
+        let of_paper = numbers.iter().filter(|r| r["paper"] == paper);
+        assert!(of_paper.count() >= 4, "{paper}");
+        let title = paper.strip_suffix("2012").unwrap_or(&paper[..4]);
+        assert!(html.to_lowercase().contains(title), "{paper}");
+        let names = scratch.names(&format!("all/{paper}"));
+        let page = names.iter().any(|n| n == "report.html");
+        assert_eq!(page, paper != "stein2021", "{names:?}");
+    }
+    for row in &numbers {
+        let verdict = row["verdict"].as_str();
+        assert!(["agreed", "explained"].contains(&verdict), "{row:?}");
+        assert_eq!(verdict == "explained", !row["why"].is_empty(), "{row:?}");
+        let measured = row["basis"].starts_with("measured");
+        assert!(!measured || verdict == "explained", "{row:?}");
+    }
+    let agreed = numbers.iter().filter(|r| r["verdict"] == "agreed");
+    assert!(agreed.count() >= 80, "pure mathematics agrees");
+    std::fs::rename(scratch.path("all/guenter2012"), scratch.path("g")).unwrap();
+    guenter_2012(&scratch);
+}
+
+/// What is in the folder `g`.
+fn guenter_2012(scratch: &Scratch) {
     let names = scratch.names("g");
     for name in [
         "antialiasing-flicker.svg",
@@ -81,6 +113,15 @@ fn what_cannot_be_reproduced_is_said() {
         (vec!["guenter2012", "--frames", "-3"], "--frames"),
         (vec!["guenter2012", "--size", "0x9"], "WIDTHxHEIGHT"),
         (vec!["guenter2012", "--quick", "--frames", "3"], "--quick"),
+        (vec!["al"], "did you mean `all`?"),
+        (vec!["all", "--frames", "3"], "all takes --quick alone"),
+        (vec!["all", "--cameras", "3"], "all takes --quick alone"),
+        (vec!["stein2021", "--quick"], "draws nothing"),
+        (
+            vec!["meng2020", "--antialiasing-frames", "2"],
+            "has no antialiasing",
+        ),
+        (vec!["friston2019", "--gazes", "2"], "has no volumes"),
         (
             vec!["guenter2012", "--antialiasing-frames", "5000"],
             "from 0 to 1000",

@@ -23,6 +23,7 @@ mod events;
 mod frame;
 mod kernel;
 mod latency;
+mod line;
 mod mask;
 mod numbers;
 mod prediction;
@@ -67,16 +68,17 @@ pub use replay::{
     replay_each, replay_streamed,
 };
 pub use reproduce::{
-    Antialiasing, Bruder2019, Bruder2019Outcome, BruderErrors, BruderFound, BruderMasks,
-    BruderRing, BruderRow, BruderTimes, BruderVolume, Column, DominanceFit, Family, Fig7User,
-    FoveatedRow, FoveatedWay, Friston2019, Friston2019Outcome, Guenter2012, Guenter2012Outcome,
-    HeadRow, LatencyBars, LatencyRow, Meng2020, Payoff, PayoffRow, Predicted, PredictedRow,
-    QualityRow, QualitySweep, ReproduceError, ResolutionRow, RollingRow, RollingWay, ShadowRow,
-    Stein2021, SteinRow, StrengthRow, Table1, Table1Cell, TimeFit, Times, UserSigmas,
+    AllPublished, Antialiasing, Bruder2019, Bruder2019Outcome, BruderErrors, BruderFound,
+    BruderMasks, BruderRing, BruderRow, BruderTimes, BruderVolume, Clock, Column, DominanceFit,
+    Family, Fig7User, Footing, FoveatedRow, FoveatedWay, Friston2019, Friston2019Outcome,
+    Guenter2012, Guenter2012Outcome, HeadRow, LatencyBars, LatencyRow, Meng2020, Paper, Payoff,
+    PayoffRow, Predicted, PredictedRow, Printed, Progress, Published, QualityRow, QualitySweep,
+    ReproduceError, Reproduction, ResolutionRow, RollingRow, RollingWay, ShadowRow, Stein2021,
+    SteinRow, StrengthRow, Table1, Table1Cell, TimeFit, Times, UserSigmas, Verdict,
 };
 pub use run::{
-    MARGIN_TOLERANCE_DEG, MOMENT_PICTURES, MarginLoop, MarginStep, MethodSaving, Moment, PlanCost,
-    Run, RunError, Savings, close_margin, run,
+    Evidence, EvidenceError, Growth, MARGIN_TOLERANCE_DEG, MOMENT_PICTURES, MarginLoop, MarginStep,
+    MethodSaving, Moment, PlanCost, Run, RunError, Savings, close_margin, run,
 };
 pub use scan_motion::{ScanMotion, head_after};
 pub use scanlines::{ImageKind, ScanlineErrors, ScanlineStudy, Scanlines};
@@ -89,9 +91,9 @@ pub use stereo::{StereoOutcome, StereoStudy};
 pub use stress::{StressRow, StressStudy};
 pub use supersample::supersampled;
 pub use sweep::{
-    Buffers, DensityAt, Drawn, Fits, GazeAt, Link, Needs, Outcome, Resolution, SWEEP_COLUMNS,
-    SavingsSpread, SavingsSpreadRow, Shard, Solution, Solve, Sweep, SweepDisplay, SweepEye,
-    SweepRow, Target, Terms, Unknown,
+    Buffers, DensityAt, Drawn, Fits, GazeAt, Link, MapRatio, Needs, Outcome, Resolution,
+    SWEEP_COLUMNS, SavingsSpread, SavingsSpreadRow, Shard, Solution, Solve, Sweep, SweepDisplay,
+    SweepEye, SweepRow, Target, Terms, Unknown,
 };
 pub use temporal::{FrameSource, PlaceSource, TemporalQuality, TemporalRing, TemporalStudy};
 pub use tracks::Tracks;

@@ -2,6 +2,8 @@
 //! what foveation saves, and report.
 
 mod cost;
+mod evidence;
+mod growth;
 mod margin;
 mod moments;
 mod page;
@@ -17,6 +19,8 @@ use foveasim_traces::{SynthSpec, TraceError};
 use thiserror::Error;
 
 pub use cost::PlanCost;
+pub use evidence::{Evidence, EvidenceError};
+pub use growth::Growth;
 pub use margin::{MARGIN_TOLERANCE_DEG, MarginLoop, MarginStep, close_margin};
 pub use moments::{MOMENT_PICTURES, Moment};
 pub use savings::{MethodSaving, Savings};
@@ -220,15 +224,24 @@ impl Run {
         recording_table(&self.recording)
     }
 
-    /// All files of the run: tables, pictures, timeline and the report.
+    /// All files of the run: tables, pictures, timeline and the report, which shows `evidence` of how good the predictions
+    /// are, or says that there is none.
     ///
     /// # Errors
     /// If a picture cannot be encoded.
-    pub fn files(&self, scenario: &Scenario) -> Result<Vec<(String, Vec<u8>)>, RunError> {
+    pub fn files(
+        &self,
+        scenario: &Scenario,
+        evidence: Option<&Evidence>,
+    ) -> Result<Vec<(String, Vec<u8>)>, RunError> {
         let mut files: Vec<(String, Vec<u8>)> = vec![
             ("summary.csv".into(), self.summary().csv().into()),
             ("plan.csv".into(), self.savings.table.csv().into()),
             ("map.csv".into(), self.savings.map_table().csv().into()),
+            (
+                "growth.csv".into(),
+                self.savings.growth.table().csv().into(),
+            ),
             ("latency.csv".into(), self.latency.table().csv().into()),
             ("replay.csv".into(), self.replay.table().csv().into()),
             ("recording.csv".into(), self.recording_table().csv().into()),
@@ -250,7 +263,7 @@ impl Run {
                 files.push((format!("moment-{}-{what}.png", k + 1), bytes.clone()));
             }
         }
-        let html = page::page(self, scenario)?;
+        let html = page::page(self, scenario, evidence)?;
         files.push(("report.html".into(), html.into()));
         Ok(files)
     }
@@ -261,6 +274,7 @@ impl Run {
         let mut add = |what: &str, digest: String| table.push(vec![what.into(), digest.into()]);
         add("plan", self.savings.table.digest());
         add("map", self.savings.map_table().digest());
+        add("growth", self.savings.growth.table().digest());
         add("latency", self.latency.table().digest());
         add("replay", self.replay.table().digest());
         add("quality", moments::quality_table(&self.moments).digest());

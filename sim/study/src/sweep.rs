@@ -8,7 +8,7 @@ mod spread;
 mod terms;
 
 pub use display::{DensityAt, Resolution, SweepDisplay, SweepEye};
-pub use row::{COLUMNS as SWEEP_COLUMNS, Drawn, SweepRow};
+pub use row::{COLUMNS as SWEEP_COLUMNS, Drawn, MapRatio, SweepRow};
 pub use shard::Shard;
 pub use solve::{Outcome, Solution, Solve, Target, Unknown};
 pub use spread::{SavingsSpread, SavingsSpreadRow};

@@ -1,13 +1,13 @@
 use std::path::{Path, PathBuf};
-use std::time::Instant;
 
 use anyhow::{Context as _, anyhow};
 use foveasim_assets::{TransferFunction, load_volume, volume_named};
 use foveasim_mask::{Interpolation, MaskSpec};
 use foveasim_models::{Acuity, RayDensity, unknown_name};
-use foveasim_study::{Bruder2019, Bruder2019Outcome, BruderMasks, BruderVolume};
+use foveasim_study::{
+    Bruder2019, Bruder2019Outcome, BruderMasks, BruderVolume, Clock, Paper, Progress,
+};
 
-use super::super::context::Format;
 use super::super::{Context, Failure, mask};
 
 /// What is measured of Bruder 2019.
@@ -37,15 +37,30 @@ pub(super) struct BruderArgs {
 }
 
 impl BruderArgs {
-    /// Refuses these flags for another paper.
-    pub(super) fn refuse(&self, paper: &str) -> Result<(), Failure> {
-        let given = self.cameras.is_some()
+    /// What `reproduce all` can wait for: of every volume two views, looked at once.
+    pub(super) const AFFORDABLE: Self = Self {
+        cameras: Some(2),
+        gazes: Some(1),
+        volume: Vec::new(),
+        transfer: None,
+        density: None,
+        fraction: None,
+        cache: None,
+    };
+
+    /// Whether any of these flags is.
+    pub(super) fn is_given(&self) -> bool {
+        self.cameras.is_some()
             || self.gazes.is_some()
             || !self.volume.is_empty()
             || self.density.is_some()
             || self.fraction.is_some()
-            || self.cache.is_some();
-        if given {
+            || self.cache.is_some()
+    }
+
+    /// Refuses these flags for another paper.
+    pub(super) fn refuse(&self, paper: Paper) -> Result<(), Failure> {
+        if self.is_given() {
             let text = format!(
                 "{paper} has no volumes: --cameras, --gazes, --volume, --transfer, --density, --fraction and --cache are \
                  for bruder2019"
@@ -55,18 +70,17 @@ impl BruderArgs {
         Ok(())
     }
 
-    /// Measures and writes everything. `frames` and `size` are the flags of that name.
+    /// Measures everything. `frames`, `size` and `quick` are the flags of that name.
     pub(super) fn run(
         &self,
-        frames: Option<u32>,
-        size: Option<[u32; 2]>,
-        quick: bool,
+        (frames, size, quick): (Option<u32>, Option<[u32; 2]>, bool),
         ctx: &Context,
-    ) -> Result<(), Failure> {
-        let usual = if quick {
-            Bruder2019::quick()
-        } else {
-            Bruder2019::default()
+        clock: &mut Clock<'_>,
+        progress: &Progress<'_>,
+    ) -> Result<Bruder2019Outcome, Failure> {
+        let usual = match quick {
+            true => Bruder2019::quick(),
+            false => Bruder2019::default(),
         };
         let asked = Bruder2019 {
             cameras: self.cameras.unwrap_or(usual.cameras),
@@ -76,29 +90,10 @@ impl BruderArgs {
             ..usual
         };
         let size = size.unwrap_or([if quick { 96 } else { 1024 }; 2]);
-        // An unwritable folder is found before the work, not after.
-        let mut outputs = ctx.outputs("out")?;
         let volumes = self.volumes(quick, ctx.seed)?;
-        let bar = ctx.progress(1000, "masks");
+        progress("masks", 0.0);
         let masks = self.masks(size, ctx)?;
-        let began = Instant::now();
-        let found = asked.run(&volumes, &masks, &mut || began.elapsed(), &|what, done| {
-            bar.set_message(what.to_owned());
-            bar.set_position((done * 1000.0) as u64);
-        })?;
-        bar.finish_and_clear();
-        for (name, bytes) in found.files()? {
-            outputs.add(name, bytes);
-        }
-        let report = outputs.path("report.html");
-        outputs.commit()?;
-        ctx.print_table(&found.table_1())?;
-        if ctx.format == Format::Table {
-            ctx.print("\n")?;
-            ctx.print_table(&Bruder2019Outcome::printed())?;
-            ctx.print(&format!("\nreport  {}\n", report.display()))?;
-        }
-        Ok(())
+        Ok(asked.run(&volumes, &masks, clock, progress)?)
     }
 
     fn volumes(&self, quick: bool, seed: u64) -> Result<Vec<BruderVolume>, Failure> {

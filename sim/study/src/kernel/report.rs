@@ -1,6 +1,6 @@
 use std::time::Duration;
 
-use foveasim_reports::{LineChart, LineSeries, Page};
+use foveasim_reports::{LineChart, LineSeries, Page, Table};
 
 use super::{KernelErrorRow, KernelErrors, KernelTimes, KernelTimings};
 use crate::reproduce::ReproduceError;
@@ -46,20 +46,24 @@ impl KernelMeasured {
         ])
     }
 
-    /// Tables as CSV, charts as SVG.
-    pub fn files(&self) -> Vec<(String, Vec<u8>)> {
+    /// Every table by the name of its file.
+    pub(crate) fn tables(&self) -> [(&'static str, Table); 2] {
         [
-            ("times.csv", self.timings.table().csv()),
-            ("errors.csv", KernelErrors::table(&self.errors).csv()),
+            ("times.csv", self.timings.table()),
+            ("errors.csv", KernelErrors::table(&self.errors)),
+        ]
+    }
+
+    /// Every chart, as SVG, by the name of its file.
+    pub(crate) fn charts(&self) -> [(&'static str, String); 2] {
+        [
             ("times.svg", self.speedup_chart().svg()),
             ("errors.svg", KernelErrors::chart(&self.errors).svg()),
         ]
-        .map(|(name, text)| (name.to_owned(), text.into_bytes()))
-        .into()
     }
 
     /// Adds what was measured to a page.
-    pub fn add_to(&self, page: &mut Page) {
+    pub(crate) fn add_to(&self, page: &mut Page) {
         page.heading("Measured: time");
         let [frame, shading] = self.timings.noise.map(|n| 100.0 * n);
         page.paragraph(&format!(

@@ -5,6 +5,7 @@ mod errors;
 mod frame;
 mod paper;
 mod protocol;
+mod published;
 mod report;
 mod times;
 

@@ -1,11 +1,13 @@
 //! Friston, Ritschel & Steed, *Perceptual Rasterization for Head-mounted Display Image Synthesis*, ACM TOG 38(4),
 //! 2019: its comparisons, measured.
 
+mod age;
 mod foveated;
 mod head;
 mod page;
 mod paper;
 mod place;
+mod published;
 mod rolling;
 mod scaling;
 mod shadow;
@@ -74,6 +76,8 @@ pub struct Friston2019Outcome {
     pub efficiency: Vec<(Bound, Image)>,
     /// §5.2: how far head pose is predicted wrongly.
     pub head: Vec<HeadRow>,
+    /// Fig. 16: how old the last row of a picture that does not roll is when it lights, at best \[ms\].
+    pub oldest_row_ms: f64,
 }
 
 /// Pixels along each side of the fovea that is judged (§5.2: "the 64 × 64 foveal pixels").
@@ -190,6 +194,7 @@ impl Friston2019 {
             pictures,
             efficiency,
             head: head::rows(self.seed)?,
+            oldest_row_ms: age::of_last_row_ms()?,
         })
     }
 }

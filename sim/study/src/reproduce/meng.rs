@@ -3,6 +3,7 @@
 
 mod fit;
 mod paper;
+mod published;
 mod report;
 
 pub use fit::{DominanceFit, UserSigmas};

@@ -5,24 +5,30 @@ use foveasim_reports::{BarChart, BarSeries, Cell, Page, ReportError, Table, anno
 use foveasim_traces::EventOptions;
 
 use super::moments::PAGE_IMAGE_PX;
-use super::{Moment, Run, RunError, moments};
+use super::{Evidence, Moment, Run, RunError, evidence, moments};
 use crate::{
-    GazePhases, LANDING, PhaseSpec, PhaseStudy, Quantity, RenderTime, Rows, Scenario, Suppression,
+    GazePhases, LANDING, MapRatio, PhaseSpec, PhaseStudy, Quantity, RenderTime, Rows, Scenario,
+    Suppression,
 };
 
 /// Everything in one page that needs nothing else.
-pub(super) fn page(run: &Run, scenario: &Scenario) -> Result<String, RunError> {
+pub(super) fn page(
+    run: &Run,
+    scenario: &Scenario,
+    evidence: Option<&Evidence>,
+) -> Result<String, RunError> {
     let mut page = Page::new(format!(
         "foveasim: {} with {}",
         scenario.display.title, scenario.tracker.title
     ));
     answer(&mut page, run, scenario);
     asked(&mut page, run, scenario);
-    savings(&mut page, run, scenario);
+    savings(&mut page, run, scenario)?;
     latency(&mut page, run, scenario);
     recording(&mut page, run, scenario)?;
     seen(&mut page, run, scenario)?;
-    evidence(&mut page, scenario)?;
+    evidence::section(&mut page, evidence);
+    rests_on(&mut page, scenario)?;
     Ok(page.html())
 }
 
@@ -132,7 +138,7 @@ fn asked(page: &mut Page, run: &Run, scenario: &Scenario) {
     page.table("The scenario", &table);
 }
 
-fn savings(page: &mut Page, run: &Run, scenario: &Scenario) {
+fn savings(page: &mut Page, run: &Run, scenario: &Scenario) -> Result<(), RunError> {
     page.heading("What foveation saves");
     let methods = &run.savings.methods;
     let chart = BarChart {
@@ -170,21 +176,45 @@ fn savings(page: &mut Page, run: &Run, scenario: &Scenario) {
         &format!("Predicted with: {}.", scenario.cost.title),
         &times.svg(),
     );
-    let map = run.savings.heatmap();
-    page.svg(
-        &format!(
-            "Other planar displays, 16:9, gaze at the centre. Hatched: the display reaches beyond {:.1}° \
-             from its centre, farther than acuity slopes were measured.",
-            Acuity::MEASURED_TO_DEG
-        ),
-        &map.svg(),
-    );
+    page.subheading("Other fields of view and resolutions");
+    page.paragraph(&format!(
+        "Flat displays, 16:9, gaze at the centre; a colour stands for the same number in all maps of the same quantity. Hatched: the \
+         display reaches beyond {:.1}° from its centre, farther than acuity slopes were measured. The times are those of \
+         the cost profile.",
+        Acuity::MEASURED_TO_DEG
+    ));
+    let times = run.savings.heatmaps(MapRatio::Time);
+    for (samples, times) in run.savings.heatmaps(MapRatio::Shading).iter().zip(&times) {
+        page.row(|page| {
+            page.svg("", &samples.svg());
+            page.svg("", &times.svg());
+            Ok::<(), RunError>(())
+        })?;
+    }
     if methods.iter().any(|m| m.extrapolated) {
         page.note("This display reaches beyond the eccentricities at which acuity slopes were measured: its savings are extrapolated.");
     }
     if scenario.gaze_mode == GazeMode::Fixed {
         page.note("The sharp region stays at the centre: these savings hold only while the eye looks there, within the margin.");
     }
+    growth(page, run, scenario)
+}
+
+fn growth(page: &mut Page, run: &Run, scenario: &Scenario) -> Result<(), RunError> {
+    let growth = &run.savings.growth;
+    page.subheading("Cost over field of view");
+    page.paragraph(&format!(
+        "Flat displays as sharp at the centre as this one and of its shape, every layer in every frame: Figs 12 and 13 of \
+         Guenter et al. 2012 for this set-up. {}",
+        growth.sentence(*scenario.featured())
+    ));
+    let [full, foveated] = growth.cost_charts();
+    page.svg("", &growth.speedup_chart().svg());
+    page.row(|page| {
+        page.svg("", &full.svg());
+        page.svg("", &foveated.svg());
+        Ok(())
+    })
 }
 
 fn latency(page: &mut Page, run: &Run, scenario: &Scenario) {
@@ -309,7 +339,7 @@ fn picture(page: &mut Page, moment: &Moment, featured: &Method) -> Result<(), Ru
     Ok(())
 }
 
-fn evidence(page: &mut Page, scenario: &Scenario) -> Result<(), RunError> {
+fn rests_on(page: &mut Page, scenario: &Scenario) -> Result<(), RunError> {
     page.heading("What this rests on");
     page.list([
         "Sample counts are those of the design that is drawn: its closed form, within 1e-9 of the optimum of its equations. The ideal floor is integrated to 1e-6.",

@@ -4,7 +4,8 @@ use foveasim_models::ModelError;
 use foveasim_models::foveation::Method;
 use foveasim_reports::{Heatmap, Table};
 
-use crate::{GazeAt, Scenario, Sweep, SweepDisplay, SweepRow, Terms};
+use super::Growth;
+use crate::{GazeAt, MapRatio, Scenario, Sweep, SweepDisplay, SweepRow, Terms};
 
 /// What the methods save on the scenario's display, and what the featured one saves on others.
 #[derive(Debug, Clone)]
@@ -13,8 +14,10 @@ pub struct Savings {
     pub methods: Vec<MethodSaving>,
     /// The same with all columns.
     pub table: Table,
-    /// The featured method over field of view × pixels per degree: rows of the map.
-    pub map: Vec<SweepRow>,
+    /// Over field of view × pixels per degree, method by method, the featured one first; `full` is only there by itself.
+    pub maps: Vec<(Method, Vec<SweepRow>)>,
+    /// Over field of view on displays of the scenario's sharpness.
+    pub growth: Growth,
     fov: Vec<f64>,
     ppd: Vec<f64>,
     featured: Method,
@@ -62,7 +65,13 @@ pub(super) fn savings(scenario: &Scenario) -> Result<Savings, ModelError> {
     let display = SweepDisplay::from(&scenario.display);
     let rows = sweep(vec![display], scenario.methods.clone()).run(|_| ())?;
     let featured = *scenario.featured();
-    let map = sweep(scenario.map.displays.clone(), vec![featured]).run(|_| ())?;
+    let foveated = scenario.methods.iter().copied();
+    let others = foveated.filter(|m| *m != Method::Full && *m != featured);
+    let mut maps = Vec::new();
+    for method in [featured].into_iter().chain(others) {
+        let rows = sweep(scenario.map.displays.clone(), vec![method]).run(|_| ())?;
+        maps.push((method, rows));
+    }
     let time = |row: &SweepRow| row.needs().frame_ms;
     let full = rows
         .iter()
@@ -83,7 +92,8 @@ pub(super) fn savings(scenario: &Scenario) -> Result<Savings, ModelError> {
     Ok(Savings {
         methods: methods.collect(),
         table: SweepRow::table(&rows),
-        map,
+        maps,
+        growth: Growth::new(scenario, &terms)?,
         fov: scenario.map.fov_deg.clone(),
         ppd: scenario.map.ppd_centre.clone(),
         featured,
@@ -97,18 +107,33 @@ impl Savings {
         found.expect("the featured method is one of the scenario's")
     }
 
-    /// The map as a table.
+    /// All maps as a table, method by method.
     pub fn map_table(&self) -> Table {
-        SweepRow::table(&self.map)
+        let rows: Vec<SweepRow> = self.maps.iter().flat_map(|(_, r)| r.clone()).collect();
+        SweepRow::table(&rows)
     }
 
-    /// The map as a picture.
-    pub fn heatmap(&self) -> Heatmap {
-        SweepRow::heatmap(
-            &self.map,
-            format!("Times fewer shaded samples with {}", self.featured),
-            self.fov.clone(),
-            ("pixels per degree at the centre", self.ppd.clone()),
-        )
+    /// Every method's map of a ratio as a picture, all in the same colours.
+    pub fn heatmaps(&self, ratio: MapRatio) -> Vec<Heatmap> {
+        let all = || self.maps.iter().flat_map(|(_, rows)| rows);
+        let values = || all().map(|row| ratio.of(row)).filter(|v| v.is_finite());
+        let ends = [
+            values().fold(f64::INFINITY, f64::min),
+            values().fold(f64::NEG_INFINITY, f64::max),
+        ];
+        let map = |(method, rows): &(Method, Vec<SweepRow>)| Heatmap {
+            ends: Some(ends),
+            ..SweepRow::heatmap(
+                rows,
+                ratio,
+                match ratio {
+                    MapRatio::Shading => format!("Times fewer shaded samples with {method}"),
+                    MapRatio::Time => format!("Predicted speedup with {method}"),
+                },
+                self.fov.clone(),
+                ("pixels per degree at the centre", self.ppd.clone()),
+            )
+        };
+        self.maps.iter().map(map).collect()
     }
 }

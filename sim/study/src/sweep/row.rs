@@ -57,6 +57,32 @@ pub struct SweepRow {
     pub extrapolated: bool,
 }
 
+/// What a map of savings shows.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum MapRatio {
+    /// Display pixels over evaluations of shading, every layer drawn; for methods that shade each sample, over samples.
+    Shading,
+    /// Predicted time of a frame with a sample for each pixel over that of the method, each layer at its own rate.
+    Time,
+}
+
+impl MapRatio {
+    /// Its value in a cell.
+    pub fn of(self, row: &SweepRow) -> f64 {
+        match self {
+            Self::Shading => row.shading_ratio(),
+            Self::Time => row.needs().speedup(),
+        }
+    }
+
+    fn label(self) -> &'static str {
+        match self {
+            Self::Shading => "display pixels per shaded sample",
+            Self::Time => "times as fast as full resolution",
+        }
+    }
+}
+
 /// What plans draw, in whole numbers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Drawn {
@@ -154,19 +180,20 @@ impl SweepRow {
         table
     }
 
-    /// Shading ratios (for methods that shade each sample, sample ratios) over field of view and another quantity (its name and values): `rows` is the map row
+    /// A ratio over field of view and another quantity (its name and values): `rows` is the map row
     /// by row from the first value of that, every field of view in each. Extrapolated cells are hatched.
     ///
     /// # Panics
     /// If there is not one row per cell.
     pub fn heatmap<'a>(
         rows: impl IntoIterator<Item = &'a Self>,
+        ratio: MapRatio,
         title: String,
         fov_deg: Vec<f64>,
         (y_label, y): (&str, Vec<f64>),
     ) -> Heatmap {
         let cell = |row: &Self| HeatCell {
-            value: Some(row.shading_ratio()),
+            value: Some(ratio.of(row)),
             extrapolated: row.extrapolated,
         };
         let cells: Vec<HeatCell> = rows.into_iter().map(cell).collect();
@@ -177,9 +204,10 @@ impl SweepRow {
             x: fov_deg,
             y_label: y_label.into(),
             y,
-            value_label: "display pixels per shaded sample".into(),
+            value_label: ratio.label().into(),
             cells,
             scale: ColourScale::Logarithmic,
+            ends: None,
         }
     }
 

@@ -30,3 +30,9 @@ pub(super) const HALF_WIDTH_TAN: f64 = 512.0 * 0.276_725_233 / 600.0;
 
 /// Reconstruction on that card, mean and standard deviation \[ms\] (§5).
 pub(super) const RECONSTRUCTION_MS: [f64; 2] = [1.5, 0.157];
+
+/// Least and most of the speedups (§5).
+pub(super) const SPEEDUPS: [f64; 2] = [1.8, 3.2];
+
+/// Rays over pixels are fewer than this (§5).
+pub(super) const RAYS_SHARE: f64 = 0.08;

@@ -2,6 +2,8 @@ use foveasim_reports::{
     BarChart, BarSeries, LineChart, LineSeries, Page, Table, png, side_by_side,
 };
 
+use crate::reproduce::Reproduction;
+
 use super::paper::{RECONSTRUCTION_MS, TABLE_1};
 use super::{Bruder2019Outcome, BruderErrors, BruderFound, BruderRow, BruderTimes, ReproduceError};
 
@@ -127,30 +129,29 @@ impl Bruder2019Outcome {
         }
     }
 
-    /// Tables as CSV, charts as SVG, pictures as PNG, and one page with all of them.
+    /// Tables, charts, pictures and the page.
     ///
     /// # Errors
     /// If a picture cannot be encoded.
-    pub fn files(&self) -> Result<Vec<(String, Vec<u8>)>, ReproduceError> {
-        let mut files: Vec<(String, Vec<u8>)> = [
-            ("table1.csv", self.table_1().csv()),
-            ("table1-printed.csv", Self::printed().csv()),
-            ("gazes.csv", self.gazes().csv()),
-            ("errors.csv", self.errors().csv()),
-            ("speedup.svg", self.speedup_chart().svg()),
-            ("errors.svg", self.error_chart().svg()),
-            ("report.html", self.page()?.html()),
-        ]
-        .map(|(name, text)| (name.to_owned(), text.into_bytes()))
-        .into();
+    pub fn reproduction(&self) -> Result<Reproduction, ReproduceError> {
+        let mut out = Reproduction {
+            page: Some(self.page()?.html()),
+            summary: vec![("", self.table_1()), ("", Self::printed())],
+            published: self.published(),
+            ..Reproduction::default()
+        };
+        out.add_table("table1.csv", self.table_1());
+        out.add_table("table1-printed.csv", Self::printed());
+        out.add_table("gazes.csv", self.gazes());
+        out.add_table("errors.csv", self.errors());
+        out.add_chart("speedup.svg", self.speedup_chart().svg());
+        out.add_chart("errors.svg", self.error_chart().svg());
         for (k, found) in self.volumes.iter().enumerate() {
             let [full, foveated] = &found.pictures;
-            files.push((
-                format!("volume-{}.png", k + 1),
-                png(&side_by_side(&[full, foveated], 8))?,
-            ));
+            let picture = side_by_side(&[full, foveated], 8);
+            out.add_picture(format!("volume-{}.png", k + 1), png(&picture)?);
         }
-        Ok(files)
+        Ok(out)
     }
 
     fn page(&self) -> Result<Page, ReproduceError> {

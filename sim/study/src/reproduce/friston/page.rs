@@ -1,5 +1,7 @@
 use foveasim_reports::{BarChart, BarSeries, Page, png, shrink, side_by_side};
 
+use crate::reproduce::Reproduction;
+
 use super::{
     Family, FoveatedRow, FoveatedWay, Friston2019Outcome, ReproduceError, RollingRow, RollingWay,
 };
@@ -10,33 +12,36 @@ const GAP: u32 = 4;
 const PICTURE_PX: u32 = 420;
 
 impl Friston2019Outcome {
-    /// All files of the reproduction: tables as CSV, charts as SVG, pictures as PNG, and one page with all of them.
+    /// Tables, charts, pictures and the page.
     ///
     /// # Errors
-    /// If a picture cannot be written.
-    pub fn files(&self) -> Result<Vec<(String, Vec<u8>)>, ReproduceError> {
-        let mut files: Vec<(String, Vec<u8>)> = Vec::new();
-        let mut add = |name: &str, text: String| files.push((name.to_owned(), text.into_bytes()));
-        add("fig12-foveated.csv", self.foveated_table().csv());
-        add("fig12-rolling.csv", Self::table_of(&self.rolling).csv());
-        add("fig12-both.csv", Self::table_of(&self.both).csv());
-        add("fig12-shadow.csv", self.shadow_table().csv());
-        add("fig13-resolution.csv", self.resolution_table().csv());
-        add("fig13-turn.csv", Self::table_of(&self.turns).csv());
-        add("fig14.csv", self.strength_table().csv());
-        add("head.csv", self.head_table().csv());
+    /// If a picture cannot be encoded.
+    pub fn reproduction(&self) -> Result<Reproduction, ReproduceError> {
+        let mut out = Reproduction {
+            page: Some(self.page()?),
+            summary: vec![("", self.foveated_table())],
+            published: self.published(),
+            ..Reproduction::default()
+        };
+        out.add_table("fig12-foveated.csv", self.foveated_table());
+        out.add_table("fig12-rolling.csv", Self::table_of(&self.rolling));
+        out.add_table("fig12-both.csv", Self::table_of(&self.both));
+        out.add_table("fig12-shadow.csv", self.shadow_table());
+        out.add_table("fig13-resolution.csv", self.resolution_table());
+        out.add_table("fig13-turn.csv", Self::table_of(&self.turns));
+        out.add_table("fig14.csv", self.strength_table());
+        out.add_table("head.csv", self.head_table());
         for (name, _, svg) in self.charts() {
-            add(&format!("{name}.svg"), svg);
+            out.add_chart(&format!("{name}.svg"), svg);
         }
-        add("report.html", self.page()?);
         for (scene, [common, warped, rolling]) in self.asked.scenes.iter().zip(&self.pictures) {
             let picture = side_by_side(&[common, warped, rolling], GAP);
-            files.push((format!("fig8-{}.png", scene.name()), png(&picture)?));
+            out.add_picture(format!("fig8-{}.png", scene.name()), png(&picture)?);
         }
         for (bound, picture) in &self.efficiency {
-            files.push((format!("fig15-{}.png", bound.name()), png(picture)?));
+            out.add_picture(format!("fig15-{}.png", bound.name()), png(picture)?);
         }
-        Ok(files)
+        Ok(out)
     }
 
     /// Every chart: name of its file, caption, picture.
@@ -46,7 +51,7 @@ impl Friston2019Outcome {
             (
                 "fig12-time",
                 "Fig. 12: time of a frame over that of common rasterization",
-                self.bars("Time over common rasterization", "ratio", |r| {
+                self.bars("Foveated: time over common rasterization", "ratio", |r| {
                     Some(r.over_common)
                 }),
             ),
@@ -58,7 +63,9 @@ impl Friston2019Outcome {
             (
                 "fig12-rolling-time",
                 "Fig. 12: time on a rolling display over that of common rasterization",
-                self.rolling_bars("Time over common rasterization", "ratio", |r| r.over_common),
+                self.rolling_bars("Rolling: time over common rasterization", "ratio", |r| {
+                    r.over_common
+                }),
             ),
             (
                 "fig12-rolling-ssim",
@@ -226,7 +233,8 @@ impl Friston2019Outcome {
         }
         page.table("Strengths", &self.strength_table());
         page.heading("Fig. 15: efficiency of sample tests");
-        page.paragraph("Of each sample, the share of triangles tested that cover it, on the rolling display of the first scene.");
+        page.paragraph("Of each sample, the share of triangles tested that cover it, on the rolling display of the first scene: white is all of \
+             them, black none; where no triangle was tested it is blue.");
         for (bound, picture) in &self.efficiency {
             page.picture(bound.name(), &shrink(picture, PICTURE_PX))?;
         }

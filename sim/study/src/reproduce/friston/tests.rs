@@ -1,6 +1,7 @@
 use std::time::Duration;
 
 use super::*;
+use crate::reproduce::{Paper, check_published};
 
 fn tiny() -> Friston2019 {
     Friston2019 {
@@ -55,9 +56,18 @@ fn every_row_is_there_and_means_something() {
         .find(|r| r.way == RollingWay::Common)
         .unwrap();
     assert!(still.turn_deg == 0.0 && still.ssim > common.ssim);
+    let numbers = found.published();
+    let explained = numbers
+        .iter()
+        .filter(|p| p.why().is_some() && !p.is_measured());
+    let explained = explained.count();
+    // Likeness of lattices and the best strength depend on the scene; head poses are always of another head.
+    assert!((4..=10).contains(&explained), "{numbers:?}");
+    check_published(&numbers, Paper::Friston2019, 15 - explained, explained, 3);
     let names: Vec<String> = found
-        .files()
+        .reproduction()
         .unwrap()
+        .files()
         .into_iter()
         .map(|(name, _)| name)
         .collect();

@@ -22,6 +22,24 @@ pub(super) const CAPTION: Caption = Caption {
     efr_over_kfr: 1.35,
 };
 
+/// The lower rows of Fig. 7, user by user: speedups of KFR over RR, EFR over RR and EFR over KFR.
+pub(super) const FIG_7_SPEEDUPS: [[f64; 3]; 11] = [
+    [1.76, 2.48, 1.41],
+    [2.24, 2.52, 1.13],
+    [2.24, 2.52, 1.13],
+    [2.24, 2.38, 1.06],
+    [2.43, 2.71, 1.12],
+    [1.71, 2.52, 1.47],
+    [1.71, 2.52, 1.47],
+    [1.67, 2.24, 1.34],
+    [1.76, 2.29, 1.30],
+    [1.71, 2.19, 1.28],
+    [1.71, 2.29, 1.33],
+];
+
+/// Least and most of EFR over RR, and of EFR over KFR, as the caption has them.
+pub(super) const FIG_7_RANGES: [[f64; 2]; 2] = [[2.19, 2.71], [1.06, 1.47]];
+
 const fn user(kfr_fps: u32, efr_fps: u32) -> Fig7User {
     Fig7User {
         rr_fps: 21,

@@ -1,10 +1,12 @@
-use foveasim_reports::Page;
+use foveasim_reports::{Page, Table};
 
 use super::Meng2020;
+use crate::KernelMeasured;
+use crate::reproduce::Reproduction;
 
 impl Meng2020 {
     /// Every table by the name of its file.
-    fn tables(&self) -> [(&'static str, foveasim_reports::Table); 5] {
+    pub(super) fn tables(&self) -> [(&'static str, Table); 5] {
         [
             ("fig7.csv", self.fig_7()),
             ("fig7-caption.csv", self.caption()),
@@ -14,20 +16,28 @@ impl Meng2020 {
         ]
     }
 
-    /// All files of the theory but the page: tables as CSV, the chart as SVG.
-    pub fn files(&self) -> Vec<(String, Vec<u8>)> {
-        let tables = self
-            .tables()
-            .map(|(name, table)| (name.to_owned(), table.csv().into_bytes()));
-        let chart = self.dominance_chart().svg().into_bytes();
-        tables
-            .into_iter()
-            .chain([("equation9.svg".to_owned(), chart)])
-            .collect()
+    /// Tables, charts and the page, of the theory and of what was measured.
+    pub fn reproduction(&self, measured: &KernelMeasured) -> Reproduction {
+        let mut out = Reproduction {
+            summary: vec![("", self.caption()), ("", measured.timings.table())],
+            published: self.published(measured),
+            ..Reproduction::default()
+        };
+        for (name, table) in self.tables().into_iter().chain(measured.tables()) {
+            out.add_table(name, table);
+        }
+        out.add_chart("equation9.svg", self.dominance_chart().svg());
+        for (name, svg) in measured.charts() {
+            out.add_chart(name, svg);
+        }
+        let mut page = self.page();
+        measured.add_to(&mut page);
+        out.page = Some(page.html());
+        out
     }
 
     /// The page as far as theory goes; what is measured is added to it.
-    pub fn page(&self) -> Page {
+    pub(super) fn page(&self) -> Page {
         let mut page = Page::new(
             "Eye-dominance-guided Foveated Rendering (Meng, Du & Varshney 2020), reproduced",
         );

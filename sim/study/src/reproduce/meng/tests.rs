@@ -1,4 +1,6 @@
 use super::*;
+use crate::reproduce::{Paper, Verdict, check_published};
+use crate::{KernelMeasured, KernelTimeRow, KernelTimings};
 
 fn close(ours: f64, wanted: f64) {
     assert!(
@@ -88,7 +90,7 @@ fn users() {
 #[test]
 fn pages_and_files() {
     let found = Meng2020::new().unwrap();
-    assert_eq!(found.files().len(), 6);
+    assert_eq!(found.tables().len(), 5);
     let html = found.page().html();
     for part in ["Fig. 7", "Eq. 9", "7.45 ms"] {
         assert!(html.contains(part), "{part}");
@@ -98,4 +100,40 @@ fn pages_and_files() {
         let pixels = f64::from(EYE_PX.x * EYE_PX.y);
         assert!(drawn < all && pixels / drawn > sigma * sigma, "{sigma}");
     }
+}
+
+#[test]
+fn printed_numbers_are_all_there() {
+    let row = |method: &str, speedup: f64| KernelTimeRow {
+        method: method.parse().unwrap(),
+        buffer_ratio: 4.0,
+        shadings: 1.0,
+        frame_ms: 1.0,
+        shading_ms: 1.0,
+        speedup,
+        shading_speedup: speedup,
+        shading_range: [speedup; 2],
+    };
+    let measured = KernelMeasured {
+        timings: KernelTimings {
+            noise: [0.0; 2],
+            rows: vec![row("kfr:2:4:published", 1.5), row("efr:2:3:published", 2.1)],
+        },
+        errors: Vec::new(),
+    };
+    let numbers = Meng2020::new().unwrap().published(&measured);
+    check_published(&numbers, Paper::Meng2020, 1 + 33 + 4, 2, 2);
+    let ratio = numbers.last().unwrap();
+    assert!((ratio.ours - 1.4).abs() < 1e-12);
+    // A time that was not taken is not explained away.
+    let nothing = KernelMeasured {
+        timings: KernelTimings {
+            noise: [0.0; 2],
+            rows: Vec::new(),
+        },
+        errors: Vec::new(),
+    };
+    let numbers = Meng2020::new().unwrap().published(&nothing);
+    let differing = numbers.iter().filter(|p| p.verdict() == Verdict::Differs);
+    assert_eq!(differing.count(), 2);
 }

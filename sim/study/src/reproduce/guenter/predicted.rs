@@ -5,8 +5,8 @@ use foveasim_models::{Acuity, ModelError, SLOPE_A, SLOPE_B};
 use foveasim_reports::{LineChart, LineSeries, Table};
 use rayon::prelude::*;
 
-use super::line::Line;
 use super::paper::PREDICTED_ASPECT;
+use crate::line::Line;
 
 /// The curves of Fig. 12: how many layers, and whether the middle one has the scale 2 of the user
 /// study instead of the best one (n = 3*).
@@ -205,8 +205,12 @@ mod tests {
         let predicted = Predicted::new().unwrap();
         for slope in ["A", "B"] {
             let r2 = predicted.linearity(slope);
-            assert!(r2 > 0.97 && r2 <= 1.0, "{slope}: {r2}");
+            assert!(r2 > 0.99 && r2 <= 1.0, "{slope}: {r2}");
         }
+        let full = predicted.curve("A", "n = 4");
+        let full = full.filter(|r| r.fov_deg <= LINEAR_TO_DEG);
+        let full: Vec<_> = full.map(|r| [r.fov_deg, r.display_pixels]).collect();
+        assert!(Line::through(&full).r2 < 0.92);
         // And full cost does not: from 45° to 90° it grows by (tan 45°/tan 22.5°)² = 5.8.
         let pixels = |fov| predicted.at("A", "n = 4", fov).unwrap().display_pixels;
         assert!((pixels(90.0) / pixels(45.0) - 5.828_427).abs() < 1e-5);

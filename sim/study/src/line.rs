@@ -2,18 +2,18 @@ use foveasim_models::math::{mean, sum};
 
 /// A straight line through points, by least squares.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Line {
+pub(crate) struct Line {
     /// Its value at x = 0.
-    pub(super) at_zero: f64,
+    pub(crate) at_zero: f64,
     /// Its rise with x.
-    pub(super) slope: f64,
+    pub(crate) slope: f64,
     /// Coefficient of determination R², 1 if it goes through every point.
-    pub(super) r2: f64,
+    pub(crate) r2: f64,
 }
 
 impl Line {
     /// The line through `points` (x, y); NaN where they do not have two different x.
-    pub(super) fn through(points: &[[f64; 2]]) -> Self {
+    pub(crate) fn through(points: &[[f64; 2]]) -> Self {
         let column = |k: usize| points.iter().map(|p| p[k]).collect::<Vec<f64>>();
         let (mx, my) = (mean(&column(0)), mean(&column(1)));
         let of = |f: fn(f64, f64) -> f64| {

@@ -8,10 +8,10 @@ use foveasim_models::math::mean;
 use foveasim_models::{Acuity, GazeDirection};
 use foveasim_reports::Table;
 
-use super::line::Line;
 use super::paper::{Column, INFORMAL_PIXELS, MARKS};
 use super::shooter::{Antialiasing, Due, Flight, Shooter, Times, layer_of, time};
 use super::{ReproduceError, layers};
+use crate::line::Line;
 
 /// Quality indices of Figs 10 and 11: coarsest to finest.
 pub(super) const INDICES: std::ops::RangeInclusive<u32> = 4..=22;

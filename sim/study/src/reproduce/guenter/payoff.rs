@@ -8,9 +8,9 @@ use foveasim_models::{Acuity, Affine, Feather, Lattice, Map, Resolve, SamplePlan
 use foveasim_reports::Table;
 use glam::{DVec3, UVec2};
 
-use super::line::Line;
 use super::shooter::{self, Antialiasing, Flight, Shooter, Times, time};
 use super::{Guenter2012, ReproduceError, check};
+use crate::line::Line;
 
 /// What layers save in time, and what of a frame's time samples are the cause of: on the full study
 /// scene, with the antialiasing of the user study, at the slope of quality A.

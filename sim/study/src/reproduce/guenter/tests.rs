@@ -1,4 +1,5 @@
 use super::*;
+use crate::reproduce::{Paper, check_published};
 
 /// A clock that moves by 3 ms whenever it is read.
 fn ticking() -> impl FnMut() -> Duration {
@@ -36,7 +37,14 @@ fn everything_is_there() {
     }
     assert_eq!(found.quality.rows.len(), 19);
     assert_eq!(found.antialiasing.len(), 7);
-    let names: Vec<String> = found.files().unwrap().into_iter().map(|f| f.0).collect();
+    check_published(&found.published(), Paper::Guenter2012, 37, 6, 33);
+
+    let names: Vec<String> = found
+        .reproduction()
+        .files()
+        .into_iter()
+        .map(|f| f.0)
+        .collect();
     for name in [
         "table1.csv",
         "fig10.svg",
@@ -55,7 +63,7 @@ fn everything_is_there() {
         antialiasing: Vec::new(),
         ..found
     };
-    let files = without.files().unwrap();
+    let files = without.reproduction().files();
     assert!(
         files
             .iter()

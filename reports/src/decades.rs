@@ -109,9 +109,17 @@ mod tests {
     fn numbers_along_a_logarithmic_axis() {
         let texts = |low, high| Scale::over([low, high], true, 8).texts();
         assert_eq!(texts(1.0, 100.0), ["1", "2", "5", "10", "20", "50", "100"]);
-        assert_eq!(texts(0.001, 1000.0), ["0.001", "0.01", "0.1", "1", "10", "100", "1000"]);
+        assert_eq!(
+            texts(0.001, 1000.0),
+            ["0.001", "0.01", "0.1", "1", "10", "100", "1000"]
+        );
         assert_eq!(texts(3.0, 3.0).len(), 3, "{:?}", texts(3.0, 3.0));
-        for (low, high) in [(1e-300, 1e300), (1.0, 1.0 + 1e-12), (5e-7, 6e-7), (1e90, 1e99)] {
+        for (low, high) in [
+            (1e-300, 1e300),
+            (1.0, 1.0 + 1e-12),
+            (5e-7, 6e-7),
+            (1e90, 1e99),
+        ] {
             let texts = texts(low, high);
             assert!((2..=9).contains(&texts.len()), "{low} {high}: {texts:?}");
         }

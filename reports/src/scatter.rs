@@ -69,72 +69,75 @@ impl ScatterChart {
                 .fold(ends, |[a, b], p| [a.min(p[k]), b.max(p[k])])
         });
         if self.identity.is_some() {
-            let both = [
-                spans[0][0].min(spans[1][0]),
-                spans[0][1].max(spans[1][1]),
-            ];
+            let both = [spans[0][0].min(spans[1][0]), spans[0][1].max(spans[1][1])];
             spans = [both; 2];
         }
         let [x, y] = [0, 1].map(|k| Scale::over(spans[k], self.logarithmic[k], COUNT[k]));
         let y_numbers = y.texts();
         let widest = y_numbers.iter().map(|t| text_width(t, FONT));
         let left = widest.fold(0.0, f64::max) + 12.0;
-        picture(&self.title, &self.keys(), 28.0 + HEIGHT + FOOT, |root, body| {
-            let at = [6.0, top(body) + 18.0];
-            text(root, &self.y_label, at, HPos::Left, FONT, &INK)?;
-            let mut chart = ChartBuilder::on(body)
-                .margin_top(px(28.0))
-                .margin_left(px(2.0))
-                .margin_right(px(26.0))
-                .x_label_area_size(px(FOOT))
-                .y_label_area_size(px(left))
-                .build_cartesian_2d(x.ticked(), y.ticked())?;
-            Axes {
-                x_label: &self.x_label,
-                count: COUNT,
-                grid: [true, true],
-                x_text: &|v| x.text(*v),
-                y_text: &|v| y.text(*v),
-            }
-            .draw(&mut chart)?;
-            let plot = chart.plotting_area();
-            let at = |p: &[f64; 2]| place(plot, (x.place(p[0]), y.place(p[1])));
-            if self.identity.is_some() {
-                // Both axes run over the same places.
-                let corner = |v| place(plot, (v, v));
-                let line = ends(corner(x.start()), corner(x.end()));
-                root.draw(&dashes(line, stroke(edge(), 1.0)))?;
-            }
-            if let Some((_, points)) = &self.line {
-                let points = points.iter().filter(|p| fits(p)).map(at);
-                let points: Vec<_> = points.map(|[x, y]| (px(x), px(y))).collect();
-                root.draw(&PathElement::new(points, stroke(INK.mix(0.55), 1.4)))?;
-            }
-            let mut room = Room::default();
-            for (i, series) in self.series.iter().enumerate() {
-                let colour = theme::series(i);
-                for p in series.points.iter().filter(|p| fits(p)) {
-                    let [x, y] = at(p);
-                    room.taken.push([x - RADIUS, y - RADIUS, x + RADIUS, y + RADIUS]);
-                    let style = match series.hollow {
-                        true => stroke(colour, 1.4),
-                        false => colour.mix(0.85).filled(),
-                    };
-                    root.draw(&Circle::new((px(x), px(y)), px(RADIUS), style))?;
+        picture(
+            &self.title,
+            &self.keys(),
+            28.0 + HEIGHT + FOOT,
+            |root, body| {
+                let at = [6.0, top(body) + 18.0];
+                text(root, &self.y_label, at, HPos::Left, FONT, &INK)?;
+                let mut chart = ChartBuilder::on(body)
+                    .margin_top(px(28.0))
+                    .margin_left(px(2.0))
+                    .margin_right(px(26.0))
+                    .x_label_area_size(px(FOOT))
+                    .y_label_area_size(px(left))
+                    .build_cartesian_2d(x.ticked(), y.ticked())?;
+                Axes {
+                    x_label: &self.x_label,
+                    count: COUNT,
+                    grid: [true, true],
+                    x_text: &|v| x.text(*v),
+                    y_text: &|v| y.text(*v),
                 }
-            }
-            let [left, top] = place(plot, (x.start(), y.end()));
-            let [right, bottom] = place(plot, (x.end(), y.start()));
-            for series in &self.series {
-                let named = series.points.iter().zip(&series.names);
-                for (p, name) in named.filter(|(p, name)| fits(p) && !name.is_empty()) {
-                    if let Some(at) = room.beside(at(p), name, [left, top, right, bottom]) {
-                        text(root, name, at, HPos::Left, NAME, &INK)?;
+                .draw(&mut chart)?;
+                let plot = chart.plotting_area();
+                let at = |p: &[f64; 2]| place(plot, (x.place(p[0]), y.place(p[1])));
+                if self.identity.is_some() {
+                    // Both axes run over the same places.
+                    let corner = |v| place(plot, (v, v));
+                    let line = ends(corner(x.start()), corner(x.end()));
+                    root.draw(&dashes(line, stroke(edge(), 1.0)))?;
+                }
+                if let Some((_, points)) = &self.line {
+                    let points = points.iter().filter(|p| fits(p)).map(at);
+                    let points: Vec<_> = points.map(|[x, y]| (px(x), px(y))).collect();
+                    root.draw(&PathElement::new(points, stroke(INK.mix(0.55), 1.4)))?;
+                }
+                let mut room = Room::default();
+                for (i, series) in self.series.iter().enumerate() {
+                    let colour = theme::series(i);
+                    for p in series.points.iter().filter(|p| fits(p)) {
+                        let [x, y] = at(p);
+                        room.taken
+                            .push([x - RADIUS, y - RADIUS, x + RADIUS, y + RADIUS]);
+                        let style = match series.hollow {
+                            true => stroke(colour, 1.4),
+                            false => colour.mix(0.85).filled(),
+                        };
+                        root.draw(&Circle::new((px(x), px(y)), px(RADIUS), style))?;
                     }
                 }
-            }
-            Ok(())
-        })
+                let [left, top] = place(plot, (x.start(), y.end()));
+                let [right, bottom] = place(plot, (x.end(), y.start()));
+                for series in &self.series {
+                    let named = series.points.iter().zip(&series.names);
+                    for (p, name) in named.filter(|(p, name)| fits(p) && !name.is_empty()) {
+                        if let Some(at) = room.beside(at(p), name, [left, top, right, bottom]) {
+                            text(root, name, at, HPos::Left, NAME, &INK)?;
+                        }
+                    }
+                }
+                Ok(())
+            },
+        )
     }
 
     fn keys(&self) -> Vec<Key> {
@@ -169,7 +172,9 @@ impl Room {
         let near = RADIUS + 2.5;
         let rows = [0.0, -0.7, 0.7, -1.2, 1.2, -1.9, 1.9];
         let sides = [near, -near - width];
-        let beside = sides.into_iter().flat_map(|side| rows.map(|row| [side, row]));
+        let beside = sides
+            .into_iter()
+            .flat_map(|side| rows.map(|row| [side, row]));
         let over = [[-0.5 * width, -1.15], [-0.5 * width, 1.15]];
         let mut found = beside.chain(over).map(|[side, row]| {
             let (left, upper) = (x + side, y + (row - 0.5) * height);

@@ -8,8 +8,7 @@ use foveasim_quality::Rings;
 use foveasim_render::{RenderOptions, TemporalOptions};
 use foveasim_reports::Outputs;
 use foveasim_study::{
-    Clip, ClipFrame, Drawing, ErrorMeasure, Export, Pareto, Scores, Terms, Timing,
-    read_text,
+    Clip, ClipFrame, Drawing, ErrorMeasure, Export, Pareto, Scores, Terms, Timing, read_text,
 };
 use foveasim_traces::read_path;
 
@@ -51,7 +50,12 @@ pub(crate) struct Args {
     #[arg(long, value_name = "WxH", value_parser = options::size, default_value = "960x540")]
     size: [u32; 2],
     /// Horizontal field of view [deg]
-    #[arg(long, value_name = "DEGREES", default_value_t = 80.0, allow_hyphen_values = true)]
+    #[arg(
+        long,
+        value_name = "DEGREES",
+        default_value_t = 80.0,
+        allow_hyphen_values = true
+    )]
     fov: f64,
     /// Frames a second
     #[arg(long, value_name = "HZ", value_parser = options::rate, default_value = "60")]
@@ -63,7 +67,12 @@ pub(crate) struct Args {
     #[arg(long, value_name = "FILE")]
     trace: Option<PathBuf>,
     /// Where in the recording the first frame is [s]
-    #[arg(long, value_name = "SECONDS", default_value_t = 0.0, requires = "trace")]
+    #[arg(
+        long,
+        value_name = "SECONDS",
+        default_value_t = 0.0,
+        requires = "trace"
+    )]
     at: f64,
     /// How old the gaze is that methods follow [ms]
     #[arg(long, value_name = "MS", default_value_t = 0.0, requires = "trace")]
@@ -72,7 +81,13 @@ pub(crate) struct Args {
     #[arg(long, value_name = "SLOPE", value_parser = Acuity::parse, default_value = "guenter-a")]
     slope: Acuity,
     /// How far gaze may be off without being noticed [deg]
-    #[arg(long = "margin-deg", visible_alias = "margin", value_name = "DEGREES", default_value_t = 0.0, allow_hyphen_values = true)]
+    #[arg(
+        long = "margin-deg",
+        visible_alias = "margin",
+        value_name = "DEGREES",
+        default_value_t = 0.0,
+        allow_hyphen_values = true
+    )]
     margin: f64,
     /// Samples along each side of a pixel of the reference, 1 to 16
     #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u32).range(1..=16))]
@@ -87,7 +102,12 @@ pub(crate) struct Args {
     #[arg(long)]
     no_time: bool,
     /// Cost profile for --no-time: name or TOML file
-    #[arg(long, visible_alias = "profile", value_name = "PROFILE", default_value = "guenter2012")]
+    #[arg(
+        long,
+        visible_alias = "profile",
+        value_name = "PROFILE",
+        default_value = "guenter2012"
+    )]
     cost: String,
     /// Measure of error for the front, the chart and --error: dssim, rmse, flicker or jod
     #[arg(long, value_name = "MEASURE", default_value = "dssim")]
@@ -122,10 +142,14 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
         return Err(Failure::bad_input(text));
     }
     if args.measure == ErrorMeasure::Jod && args.import.is_none() {
-        return Err(Failure::bad_input("--measure jod: needs --import SCORES.csv"));
+        return Err(Failure::bad_input(
+            "--measure jod: needs --import SCORES.csv",
+        ));
     }
     if args.measure == ErrorMeasure::Flicker && args.frames == 1 {
-        return Err(Failure::bad_input("--measure flicker: needs --frames 2 or more"));
+        return Err(Failure::bad_input(
+            "--measure flicker: needs --frames 2 or more",
+        ));
     }
     let methods = Method::parse_list(&args.method).context("--method")?;
     let scores = args.import.as_deref().map(|path| {
@@ -143,12 +167,16 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
     let outputs = ctx.out.is_some().then(|| ctx.outputs("out")).transpose()?;
     let pictures = (pareto.methods().len() + 1) * names.len() * args.frames as usize;
     if args.export.is_some() && pictures > MOST_PICTURES {
-        let text = format!("--export: {pictures} pictures; at most {MOST_PICTURES} are written at once");
+        let text =
+            format!("--export: {pictures} pictures; at most {MOST_PICTURES} are written at once");
         return Err(Failure::bad_input(text));
     }
     let mut exported = args.export.as_ref().map(Outputs::new).transpose()?;
     let mut export = Export::new(viewport, args.rate);
-    let bar = ctx.progress(pareto.steps(if args.no_time { 0 } else { args.rounds }), "drawing");
+    let bar = ctx.progress(
+        pareto.steps(if args.no_time { 0 } else { args.rounds }),
+        "drawing",
+    );
     let mut found = on_one_thread(|| {
         let mut clock = processor_time;
         let timing = match args.no_time {
@@ -160,6 +188,9 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
             &mut |clip, method, number, frame, reference| {
                 if let Some(outputs) = &mut exported {
                     for (name, bytes) in export.frame(clip, method, number, frame, reference)? {
+                        if let Some(folder) = outputs.path(&name).parent() {
+                            std::fs::create_dir_all(folder)?;
+                        }
                         outputs.add(name, bytes);
                     }
                 }
@@ -184,13 +215,18 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
         }
         let folder = outputs.dir().display().to_string();
         outputs.commit()?;
-        ctx.note(&format!("exported {pictures} pictures to {folder}: python3 {folder}/score.py"));
+        ctx.note(&format!(
+            "exported {pictures} pictures to {folder}: python3 {folder}/score.py"
+        ));
     }
     let answer = args.error.map(|most| found.cheapest(args.measure, most));
     if ctx.format == Format::Table {
         ctx.print_table(&found.summary(args.measure))?;
         if let Some(noise) = found.noise {
-            ctx.note(&format!("Full resolution drawn again differs by {:.1} %.", 100.0 * noise));
+            ctx.note(&format!(
+                "Full resolution drawn again differs by {:.1} %.",
+                100.0 * noise
+            ));
         }
         if let Some(answer) = &answer {
             ctx.print(&format!("\n{answer}\n"))?;
@@ -231,7 +267,9 @@ impl Args {
     fn gazes(&self, viewport: &Viewport) -> Result<Vec<[GazeDirection; 2]>, Failure> {
         let frames = self.frames + WARM_UP;
         let Some(path) = &self.trace else {
-            let gaze = self.gaze.map_or(GazeDirection::AHEAD, |px| viewport.gaze_at(px.into()));
+            let gaze = self
+                .gaze
+                .map_or(GazeDirection::AHEAD, |px| viewport.gaze_at(px.into()));
             return Ok(vec![[gaze; 2]; frames as usize]);
         };
         let age = options::milliseconds("--gaze-age-ms", self.gaze_age_ms)?;
@@ -243,10 +281,14 @@ impl Args {
         let origin = path.display();
         let gaze = recording.gaze.as_ref();
         let gaze = gaze.ok_or_else(|| Failure::bad_input(format!("{origin}: no gaze in it")))?;
-        let start = recording.span().map_or(Nanos::ZERO, |(start, _)| start) + Nanos::from_secs(self.at);
+        let start =
+            recording.span().map_or(Nanos::ZERO, |(start, _)| start) + Nanos::from_secs(self.at);
         let at = |t: Nanos| {
             gaze.at(t, MAX_GAP).ok_or_else(|| {
-                let text = format!("{origin}: no gaze at {:.3} s of it", (t - start).as_secs() + self.at);
+                let text = format!(
+                    "{origin}: no gaze at {:.3} s of it",
+                    (t - start).as_secs() + self.at
+                );
                 Failure::bad_input(text)
             })
         };
@@ -281,7 +323,10 @@ impl Args {
                 first_frame: stage.first_frame,
             }
         };
-        let near_m = stages.iter().map(|s| s.near_m).fold(f64::INFINITY, f64::min);
+        let near_m = stages
+            .iter()
+            .map(|s| s.near_m)
+            .fold(f64::INFINITY, f64::min);
         let terms = Terms {
             cost: foveasim_study::cost(&self.cost).context("--cost")?,
             ..Terms::default()
@@ -302,7 +347,11 @@ impl Args {
                     near_m,
                     ..RenderOptions::default()
                 },
-                msaa: if self.msaa == "4" { Msaa::Four } else { Msaa::One },
+                msaa: if self.msaa == "4" {
+                    Msaa::Four
+                } else {
+                    Msaa::One
+                },
                 temporal: TemporalOptions::OFF,
                 reference_samples: self.supersample,
                 lens: None,

@@ -74,7 +74,8 @@ pub enum Timing<'c, 'k> {
 }
 
 /// Told of every judged frame: clip, method, its number from 0 among those judged, the frame, and the reference.
-pub type ShowPair<'s, E> = dyn FnMut(&Clip<'_>, Method, usize, &Frame, &Frame) -> Result<(), E> + 's;
+pub type ShowPair<'s, E> =
+    dyn FnMut(&Clip<'_>, Method, usize, &Frame, &Frame) -> Result<(), E> + 's;
 
 impl Pareto<'_> {
     /// The methods, full resolution first.
@@ -159,7 +160,11 @@ impl Pareto<'_> {
             })
         };
         Ok(Job {
-            frames: clip.frames.iter().map(frame).collect::<Result<_, FrameError>>()?,
+            frames: clip
+                .frames
+                .iter()
+                .map(frame)
+                .collect::<Result<_, FrameError>>()?,
             warm_up: self.warm_up,
             first_frame: clip.first_frame,
             options: self.drawing.options,
@@ -227,9 +232,18 @@ impl Pareto<'_> {
 /// What a planner can say of a plan's frame; with `staggered`, on average, each pass at its own cadence.
 fn frame_work(plan: &SamplePlan, staggered: bool) -> FrameWork {
     let count = plan.count();
-    let of = |every: u32| if staggered { 1.0 / f64::from(every) } else { 1.0 };
+    let of = |every: u32| {
+        if staggered {
+            1.0 / f64::from(every)
+        } else {
+            1.0
+        }
+    };
     let sum = |f: &dyn Fn(&foveasim_models::PassCount) -> f64| {
-        count.passes.iter().fold(0.0, |sum, p| sum + f(p) * of(p.every))
+        count
+            .passes
+            .iter()
+            .fold(0.0, |sum, p| sum + f(p) * of(p.every))
     };
     FrameWork {
         samples_shaded: sum(&|p| p.shadings as f64),

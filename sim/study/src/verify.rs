@@ -63,7 +63,9 @@ pub struct VerifyScene {
 
 impl std::fmt::Debug for VerifyScene {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
-        f.debug_struct("VerifyScene").field("name", &self.name).finish_non_exhaustive()
+        f.debug_struct("VerifyScene")
+            .field("name", &self.name)
+            .finish_non_exhaustive()
     }
 }
 
@@ -164,7 +166,8 @@ impl Verify<'_> {
         picks.sort_unstable();
         picks.dedup();
         if picks.len() < FEWEST_CELLS {
-            let valid = format!("at least {FEWEST_CELLS}: more fields of view, sizes, methods or scenes");
+            let valid =
+                format!("at least {FEWEST_CELLS}: more fields of view, sizes, methods or scenes");
             return Err(ModelError::range("cells that can be drawn", picks.len(), valid).into());
         }
         Ok(picks)
@@ -253,7 +256,8 @@ impl Verify<'_> {
             let scenes = [&self.scenes[pick.scene].scene, &bare[pick.scene]];
             let options = self.options(pick.scene);
             let gaze = self.gaze(pick);
-            let (pictures, jobs) = Pictures::new(scenes, &view.optics, view.poses[0], gaze, &options)?;
+            let (pictures, jobs) =
+                Pictures::new(scenes, &view.optics, view.poses[0], gaze, &options)?;
             debug_assert_eq!(jobs.len(), pictures.len());
             let times = measure(&jobs, Some(&pace), PROBE_ROUNDS, clock, &mut || ())?;
             took.push(times.iter().map(Measured::frame_ms).sum::<f64>());
@@ -264,7 +268,11 @@ impl Verify<'_> {
         Ok((of_picks, mean(&took)))
     }
 
-    fn cells_of<'a>(&'a self, picks: &[Pick], probes: &[Probe]) -> Result<Vec<Cell<'a>>, FrameError> {
+    fn cells_of<'a>(
+        &'a self,
+        picks: &[Pick],
+        probes: &[Probe],
+    ) -> Result<Vec<Cell<'a>>, FrameError> {
         let cell = |(pick, probe): (&Pick, &Probe)| {
             let (view, plan) = self.view(pick)?;
             let passes = zones(&plan, &view.optics, self.gaze(pick));
@@ -292,7 +300,12 @@ impl Verify<'_> {
             let kind = of_it.map_or_else(String::new, |c| kind(&c.job.frames[0].plan));
             (*method, kind)
         });
-        HeldOut::draw(self.scenes.len(), &methods.collect::<Vec<_>>(), &sizes, self.seed)
+        HeldOut::draw(
+            self.scenes.len(),
+            &methods.collect::<Vec<_>>(),
+            &sizes,
+            self.seed,
+        )
     }
 
     /// Splits cells into those that are fitted and those held out, and predicts all.
@@ -330,7 +343,11 @@ impl Verify<'_> {
             .collect();
         let model = TimeModel::fitted(&known);
         let counts = |c: &Cell<'_>| c.job.frames[0].plan.count();
-        let fitted = cells.iter().zip(measured).zip(&why).filter(|(_, why)| why.is_none());
+        let fitted = cells
+            .iter()
+            .zip(measured)
+            .zip(&why)
+            .filter(|(_, why)| why.is_none());
         let inverse: Vec<[f64; 2]> = fitted
             .map(|((c, m), _)| [counts(c).shadings() as f64 / m.frame_ms(), 1.0])
             .collect();
@@ -338,28 +355,32 @@ impl Verify<'_> {
             inverse.into_iter().map(|[r, one]| (vec![r], one)).unzip();
         let each = crate::non_negative_least_squares(&matrix, &wanted);
         let per_shading = each.first().copied().unwrap_or(f64::NAN);
-        let rows = cells.iter().zip(measured).zip(why).map(|((cell, measured), held_out)| {
-            let count = counts(cell);
-            let predicted_ms = model.ms(&cell.terms);
-            let (name, fov_deg) = self.sweep.named(cell.pick.group);
-            VerifyRow {
-                scene: self.scenes[cell.pick.scene].name.clone(),
-                display: name.to_owned(),
-                fov_deg,
-                size: cell.viewport.size.to_array(),
-                group: cell.pick.group,
-                method: self.sweep.methods[cell.pick.method],
-                samples: count.samples(),
-                shadings: count.shadings(),
-                held_out,
-                measured_ms: measured.frame_ms(),
-                noise: measured.noise(),
-                predicted_ms,
-                interval_ms: model.interval(predicted_ms),
-                naive_ms: per_shading * count.shadings() as f64,
-                terms: cell.terms.to_vec(),
-            }
-        });
+        let rows = cells
+            .iter()
+            .zip(measured)
+            .zip(why)
+            .map(|((cell, measured), held_out)| {
+                let count = counts(cell);
+                let predicted_ms = model.ms(&cell.terms);
+                let (name, fov_deg) = self.sweep.named(cell.pick.group);
+                VerifyRow {
+                    scene: self.scenes[cell.pick.scene].name.clone(),
+                    display: name.to_owned(),
+                    fov_deg,
+                    size: cell.viewport.size.to_array(),
+                    group: cell.pick.group,
+                    method: self.sweep.methods[cell.pick.method],
+                    samples: count.samples(),
+                    shadings: count.shadings(),
+                    held_out,
+                    measured_ms: measured.frame_ms(),
+                    noise: measured.noise(),
+                    predicted_ms,
+                    interval_ms: model.interval(predicted_ms),
+                    naive_ms: per_shading * count.shadings() as f64,
+                    terms: cell.terms.to_vec(),
+                }
+            });
         VerifyOutcome {
             rows: rows.collect(),
             coefficients: TERMS.into_iter().zip(model.coefficients).collect(),

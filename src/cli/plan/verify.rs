@@ -116,7 +116,9 @@ fn scene(name: &str, ctx: &Context) -> Result<VerifyScene, Failure> {
         true => scene.bounds(),
         false => None,
     };
-    let short = Path::new(base).file_name().map_or(base.into(), |n| n.to_string_lossy());
+    let short = Path::new(base)
+        .file_name()
+        .map_or(base.into(), |n| n.to_string_lossy());
     Ok(VerifyScene {
         name: match frame {
             Some(frame) => format!("{short}@{frame}"),

@@ -78,7 +78,11 @@ impl fmt::Display for Answer {
                 100.0 * gain,
                 100.0 * noise
             ),
-            _ => write!(f, " {next} comes next; it saves {:.1} % of that one's time.", 100.0 * gain),
+            _ => write!(
+                f,
+                " {next} comes next; it saves {:.1} % of that one's time.",
+                100.0 * gain
+            ),
         }
     }
 }

@@ -4,8 +4,8 @@ use std::fmt::Write;
 use foveasim_models::foveation::Method;
 use foveasim_models::math::{atan_deg, hypot};
 use foveasim_models::{Image, Rate, Viewport};
-use foveasim_reports::{ReportError, Table, png};
 use foveasim_render::Frame;
+use foveasim_reports::{ReportError, Table, png};
 
 use super::{Clip, Pareto};
 
@@ -59,7 +59,12 @@ impl Export {
         let home = folder(&clip.name);
         let own = format!("{home}/{}", folder(&method.to_string()));
         let truth = format!("{home}/reference");
-        let entry = [clip.name.clone(), method.to_string(), own.clone(), truth.clone()];
+        let entry = [
+            clip.name.clone(),
+            method.to_string(),
+            own.clone(),
+            truth.clone(),
+        ];
         if !self.written.contains(&entry) {
             self.written.push(entry);
         }
@@ -75,7 +80,12 @@ impl Export {
         let mut files: Vec<(String, String)> = asked
             .clips
             .iter()
-            .map(|clip| (format!("{}/gaze.csv", folder(&clip.name)), self.gaze(asked, clip)))
+            .map(|clip| {
+                (
+                    format!("{}/gaze.csv", folder(&clip.name)),
+                    self.gaze(asked, clip),
+                )
+            })
             .collect();
         let mut index = Table::new(["clip", "method", "test", "reference", "gaze"]);
         for [clip, method, test, reference] in &self.written {
@@ -100,7 +110,10 @@ impl Export {
         let size = self.viewport.size.as_dvec2();
         for (k, frame) in asked.judged(clip).iter().enumerate() {
             // Its fixation is an index of a pixel; beyond the image it has none.
-            let place = self.viewport.project(frame.gaze.vector()).unwrap_or(size / 2.0);
+            let place = self
+                .viewport
+                .project(frame.gaze.vector())
+                .unwrap_or(size / 2.0);
             let place = (place - 0.5).clamp(glam::DVec2::ZERO, size - 1.0);
             table.push(vec![k.into(), place.x.into(), place.y.into()]);
         }
@@ -115,7 +128,10 @@ impl Export {
         let mut line = |name: &str, value: String| {
             let _ = writeln!(text, "    \"{name}\": {value},");
         };
-        line("name", "\"foveasim: the display that was simulated\"".into());
+        line(
+            "name",
+            "\"foveasim: the display that was simulated\"".into(),
+        );
         line("resolution", format!("[{}, {}]", size.x, size.y));
         line("fov_diagonal", format!("{:.6}", 2.0 * atan_deg(half)));
         line("viewing_distance_meters", "3".into());
@@ -135,9 +151,16 @@ fn file(folder: &str, number: usize, image: &Image) -> Result<(String, Vec<u8>),
 /// A name that every file system takes.
 fn folder(name: &str) -> String {
     let plain = |c: char| c.is_ascii_alphanumeric() || "-_.".contains(c);
-    let text: String = name.chars().map(|c| if plain(c) { c } else { '-' }).collect();
+    let text: String = name
+        .chars()
+        .map(|c| if plain(c) { c } else { '-' })
+        .collect();
     let text = text.trim_start_matches('.');
-    if text.is_empty() { "clip".into() } else { text.into() }
+    if text.is_empty() {
+        "clip".into()
+    } else {
+        text.into()
+    }
 }
 
 /// The script that judges what [`Export`] wrote, and writes scores.csv for `foveasim pareto --import`.

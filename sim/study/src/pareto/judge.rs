@@ -81,7 +81,11 @@ impl Pareto<'_> {
 
     fn tracks(&self, frame: &ClipFrame<'_>) -> Result<Tracks, FrameError> {
         let view = self.view(&frame.sight)?;
-        Ok(Tracks::new(frame.sight.scene, &view, &self.drawing.options)?)
+        Ok(Tracks::new(
+            frame.sight.scene,
+            &view,
+            &self.drawing.options,
+        )?)
     }
 
     fn reference(&self, frame: &ClipFrame<'_>) -> Result<Frame, FrameError> {
@@ -106,7 +110,8 @@ impl Pareto<'_> {
     ) -> Result<(), FrameError> {
         let comparison = compare(&drawn.image, &reference.image)?;
         let gaze = frame.gaze.vector();
-        g.rings.push(comparison.rings(&self.request.viewport, gaze, &self.rings)?);
+        g.rings
+            .push(comparison.rings(&self.request.viewport, gaze, &self.rings)?);
         g.ssim.push(comparison.whole.ssim);
         g.mse.push(comparison.whole.mse_luma);
         g.bias.push(comparison.whole.bias);

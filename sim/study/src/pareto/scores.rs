@@ -19,7 +19,8 @@ impl Scores {
     /// # Errors
     /// Names the line, the column, the value and what would be valid.
     pub fn parse(text: &str, origin: &str) -> Result<Self, ModelError> {
-        let fail = |line: usize, what: String| ModelError::Syntax(format!("{origin}:{line}: {what}"));
+        let fail =
+            |line: usize, what: String| ModelError::Syntax(format!("{origin}:{line}: {what}"));
         let lines = text.lines().zip(1..);
         let mut lines = lines.filter(|(l, _)| !l.trim().is_empty() && !l.starts_with('#'));
         let header = lines.next().map_or("", |(header, _)| header);
@@ -60,7 +61,9 @@ impl Scores {
 
     /// The quality of a method on a clip.
     pub fn jod(&self, clip: &str, method: Method) -> Option<f64> {
-        self.jod.get(&(clip.to_owned(), method.to_string())).copied()
+        self.jod
+            .get(&(clip.to_owned(), method.to_string()))
+            .copied()
     }
 
     /// How many there are.
@@ -88,7 +91,10 @@ mod tests {
         for (text, expect) in [
             ("", "s.csv:1: no column `clip`"),
             ("clip,jod\n", "no column `method`"),
-            ("clip,method,jod\nstudy,vrs\n", "s.csv:2: 2 cells; the header has 3"),
+            (
+                "clip,method,jod\nstudy,vrs\n",
+                "s.csv:2: 2 cells; the header has 3",
+            ),
             ("clip,method,jod\nstudy,vrs,nan\n", "s.csv:2: jod = `nan`"),
             ("clip,method,jod\nstudy,vrs,11\n", "from -100 to 10"),
             ("clip,method,jod\nstudy,vsr,9\n", "did you mean `vrs`?"),

@@ -79,7 +79,12 @@ pub(super) struct HeldOut {
 impl HeldOut {
     /// A third of the scenes and a quarter of the methods, drawn by `seed`; of methods only such whose kind others
     /// have, and never full resolution.
-    pub(super) fn draw(scenes: usize, methods: &[(Method, String)], pixels: &BTreeSet<u64>, seed: u64) -> Self {
+    pub(super) fn draw(
+        scenes: usize,
+        methods: &[(Method, String)],
+        pixels: &BTreeSet<u64>,
+        seed: u64,
+    ) -> Self {
         let mut stream = Stream::new(seed, Role::Population, 1);
         let mut held = Self {
             pixels: pixels.last().copied().filter(|_| pixels.len() > 1),
@@ -152,7 +157,9 @@ mod tests {
 
     #[test]
     fn whole_scenes_methods_and_the_largest_size_are_held_out() {
-        let methods = ["full", "layers:2", "layers:3", "layers:4", "vrs", "fdm", "quad", "rates"];
+        let methods = [
+            "full", "layers:2", "layers:3", "layers:4", "vrs", "fdm", "quad", "rates",
+        ];
         let methods: Vec<(Method, String)> = methods
             .iter()
             .map(|m| (m.parse().unwrap(), m.split(':').next().unwrap().to_owned()))

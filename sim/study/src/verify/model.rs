@@ -37,7 +37,8 @@ impl TimeModel {
         groups.dedup();
         let mut errors = Vec::with_capacity(rows.len());
         for left_out in groups {
-            let (out, others): (Vec<_>, Vec<_>) = (0..rows.len()).partition(|i| group(*i) == left_out);
+            let (out, others): (Vec<_>, Vec<_>) =
+                (0..rows.len()).partition(|i| group(*i) == left_out);
             let others: Vec<&Known> = others.into_iter().map(|i| &rows[i]).collect();
             let coefficients = least(&others);
             for row in out.into_iter().map(|i| &rows[i]) {
@@ -103,7 +104,11 @@ mod tests {
     fn what_times_are_made_of_is_found() {
         let model = TimeModel::fitted(&rows(60, 0.0, 1));
         for (k, expected) in [(0, 2.0), (7, 3.0), (9, 0.5), (4, 0.0)] {
-            assert!((model.coefficients[k] - expected).abs() < 1e-6, "{:?}", model.coefficients);
+            assert!(
+                (model.coefficients[k] - expected).abs() < 1e-6,
+                "{:?}",
+                model.coefficients
+            );
         }
         assert!(model.spread < 1e-6);
     }

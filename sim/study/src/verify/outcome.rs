@@ -88,7 +88,13 @@ impl VerifyOutcome {
             "noise_floor",
         ]);
         let mut push = |name: String, e: Errors| {
-            let known = |v: f64| if v.is_finite() { Cell::Float(v) } else { Cell::Empty };
+            let known = |v: f64| {
+                if v.is_finite() {
+                    Cell::Float(v)
+                } else {
+                    Cell::Empty
+                }
+            };
             let ratio = |k: usize| quantile(e.ratios.iter().map(|r| r[k]).collect(), 0.5);
             table.push(vec![
                 name.into(),
@@ -105,13 +111,21 @@ impl VerifyOutcome {
             ]);
         };
         push("held out".into(), self.errors(self.held_out()));
-        for why in [HeldOutFor::Scene, HeldOutFor::Method, HeldOutFor::Size, HeldOutFor::Share] {
+        for why in [
+            HeldOutFor::Scene,
+            HeldOutFor::Method,
+            HeldOutFor::Size,
+            HeldOutFor::Share,
+        ] {
             let of_it = || self.rows.iter().filter(|r| r.held_out == Some(why));
             if of_it().count() > 0 {
                 push(format!("held out: {}", why.name()), self.errors(of_it()));
             }
         }
-        push("fitted".into(), self.errors(self.rows.iter().filter(|r| r.held_out.is_none())));
+        push(
+            "fitted".into(),
+            self.errors(self.rows.iter().filter(|r| r.held_out.is_none())),
+        );
         table
     }
 
@@ -120,7 +134,11 @@ impl VerifyOutcome {
         let e = self.errors(self.held_out());
         let ratio = quantile(e.ratios.iter().map(|r| r[0]).collect(), 0.5);
         let percent = |v: f64| format!("{:.1} %", 100.0 * v);
-        let against = if e.median < e.naive_median { "better" } else { "no better" };
+        let against = if e.median < e.naive_median {
+            "better"
+        } else {
+            "no better"
+        };
         format!(
             "Of {} cells that no fit has seen, the time of half is predicted within {} and of nine in ten within {} (speedups: half within {}); \
              {} lie in their 90 % intervals; equal draws differ by {}. That is {against} than taking time to go with shaded samples ({}).",
@@ -153,7 +171,10 @@ impl VerifyOutcome {
             "high_ms",
             "naive_ms",
         ];
-        let terms = self.coefficients.iter().map(|(name, _)| format!("term_{name}"));
+        let terms = self
+            .coefficients
+            .iter()
+            .map(|(name, _)| format!("term_{name}"));
         let mut table = Table::new(columns.map(str::to_owned).into_iter().chain(terms));
         for r in &self.rows {
             let mut cells = vec![
@@ -183,7 +204,11 @@ impl VerifyOutcome {
     pub fn coefficients(&self) -> Table {
         let mut table = Table::new(["term", "coefficient", "unit"]);
         for (name, value) in &self.coefficients {
-            let unit = if name.ends_with("_ms") { "ms for each of the probe" } else { "ms each" };
+            let unit = if name.ends_with("_ms") {
+                "ms for each of the probe"
+            } else {
+                "ms each"
+            };
             table.push(vec![(*name).into(), (*value).into(), unit.into()]);
         }
         table

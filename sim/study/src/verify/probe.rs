@@ -15,7 +15,7 @@ use crate::measure::{Job, JobFrame, Measured};
 pub(super) struct Probe {
     /// Shading of a sample \[ms\], by zone from the inside, at each of [`FINER`].
     shading: [[f64; FINENESSES]; ZONES],
-    /// Visibility of a sample \[ms\], over the whole image, at each of [`FINER`].
+    /// Visibility of a sample \[ms\] at each of [`FINER`].
     visibility: [f64; FINENESSES],
     /// Geometry of a pass \[ms\] over a quarter, half and all of the image, at each of [`FINER`].
     geometry: [[f64; FINENESSES]; ZONES],
@@ -31,6 +31,10 @@ const FINER: [f64; FINENESSES] = [1.0, 4.0, 16.0];
 const FINENESSES: usize = 3;
 /// How many times narrower the pictures are that show the inner zones.
 const NARROWER: [f64; ZONES] = [4.0, 2.0, 1.0];
+
+/// In which window, and at which fineness, visibility is told from geometry, by place in [`NARROWER`] and [`FINER`]: where
+/// samples lie as close as their meshes are made for. Beyond the last, a sample costs no less.
+const VISIBILITY: [(usize, usize); 2] = [(2, 0), (0, 1)];
 
 /// The pictures of one probe.
 pub(super) struct Pictures {
@@ -73,8 +77,8 @@ impl Pictures {
                 add(bare, narrower, 1, finer)?;
             }
         }
-        for finer in FINER {
-            add(bare, 1.0, 2, finer)?;
+        for (narrower, finer) in VISIBILITY.map(|(zone, f)| (NARROWER[zone], FINER[f])) {
+            add(bare, narrower, 2, finer)?;
         }
         let rows = jobs.len();
         Ok((Self { size, rows }, jobs))
@@ -99,10 +103,12 @@ impl Pictures {
             (world - bare) / samples
         };
         // Four times the samples of the same meshes: what is beyond is theirs.
-        let visibility: [f64; FINENESSES] = std::array::from_fn(|f| {
-            let bare = at(ZONES - 1, f)[1];
-            ((large[f] - bare) / (3.0 * samples)).max(1e-9 * bare / samples)
-        });
+        let per_sample_found = |k: usize| {
+            let (zone, f) = VISIBILITY[k];
+            let bare = at(zone, f)[1];
+            ((large[k] - bare) / (3.0 * samples)).max(1e-9 * bare / samples)
+        };
+        let visibility = [0, 1, 1].map(per_sample_found);
         let geometry = std::array::from_fn(|window| {
             std::array::from_fn(|f| {
                 let bare = at(window, f)[1];
@@ -184,7 +190,7 @@ mod tests {
     fn unit_costs_come_out_of_times() {
         let pictures = Pictures {
             size: UVec2::new(160, 90),
-            rows: 21,
+            rows: 20,
         };
         let n = 14_400.0;
         // 2 ms of geometry, 10 ns of visibility; shading 20, 30, 40 ns by zone from the inside, at every fineness.
@@ -200,7 +206,7 @@ mod tests {
                 ms.extend([bare + window(zone) * 1e-6 * n, bare]);
             }
         }
-        ms.extend(FINER.map(|_| 2.0 + 4.0 * 10e-6 * n));
+        ms.extend(VISIBILITY.map(|_| 2.0 + 4.0 * 10e-6 * n));
         let times: Vec<Measured> = ms
             .into_iter()
             .map(|ms| Measured {

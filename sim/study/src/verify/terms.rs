@@ -27,7 +27,12 @@ pub(super) const TERMS: [&str; 14] = [
 ];
 
 /// The terms of a plan of a scene.
-pub(super) fn terms(plan: &SamplePlan, viewport: &Viewport, passes: &[PassZones], probe: &Probe) -> Terms {
+pub(super) fn terms(
+    plan: &SamplePlan,
+    viewport: &Viewport,
+    passes: &[PassZones],
+    probe: &Probe,
+) -> Terms {
     let mut terms = [0.0; TERMS.len()];
     let mut add = |name: &str, value: f64| {
         let place = TERMS.iter().position(|t| *t == name);
@@ -50,7 +55,10 @@ pub(super) fn terms(plan: &SamplePlan, viewport: &Viewport, passes: &[PassZones]
         for (k, zone) in pass.zones.iter().enumerate() {
             if pass.finds {
                 let each = probe.visibility(zone.log_sample_px - width);
-                add(placed("visibility_ms", "visibility_placed_ms"), zone.samples * each);
+                add(
+                    placed("visibility_ms", "visibility_placed_ms"),
+                    zone.samples * each,
+                );
                 add(placed("samples", "samples_placed"), zone.samples);
             }
             let each = probe.shading(k, zone.log_shading_px - width);

@@ -39,7 +39,12 @@ fn scenes() -> Vec<VerifyScene> {
 
 #[test]
 fn cells_are_drawn_and_predicted() {
-    let sweep = sweep(vec![display(60.0, 96), display(60.0, 128), display(90.0, 96), display(90.0, 160)]);
+    let sweep = sweep(vec![
+        display(60.0, 96),
+        display(60.0, 128),
+        display(90.0, 96),
+        display(90.0, 160),
+    ]);
     let scenes = scenes();
     let verify = Verify {
         sweep: &sweep,
@@ -60,18 +65,27 @@ fn cells_are_drawn_and_predicted() {
     let fitted = found.rows.iter().filter(|r| r.held_out.is_none()).count();
     assert!(2 * fitted <= found.rows.len() && fitted > 0, "{fitted}");
     for why in [HeldOutFor::Scene, HeldOutFor::Size] {
-        assert!(found.rows.iter().any(|r| r.held_out == Some(why)), "{why:?}");
+        assert!(
+            found.rows.iter().any(|r| r.held_out == Some(why)),
+            "{why:?}"
+        );
     }
     for row in &found.rows {
-        assert!((row.measured_ms - 5.0).abs() < 1e-9 && row.predicted_ms > 0.0, "{row:?}");
+        assert!(
+            (row.measured_ms - 5.0).abs() < 1e-9 && row.predicted_ms > 0.0,
+            "{row:?}"
+        );
         let largest = row.size == [160, 90];
         assert!(!largest || row.held_out.is_some());
         assert_eq!(row.terms.len(), found.coefficients.len());
     }
     // Full resolution stands beside every cell.
-    assert!(found.rows.iter().all(|r| {
-        r.method == Method::Full || found.ratio_errors(r).is_some()
-    }));
+    assert!(
+        found
+            .rows
+            .iter()
+            .all(|r| { r.method == Method::Full || found.ratio_errors(r).is_some() })
+    );
     assert_eq!(found.table().rows().len(), found.rows.len());
     assert!(found.sentence().contains("no fit has seen"));
     assert!(found.scatter().svg().contains("held out"));

@@ -98,7 +98,10 @@ fn is_hidden(plan: &SamplePlan, k: usize, viewport: &Viewport, px: DVec2) -> boo
     let Resolve::Feather(feather) = &plan.resolve else {
         return false;
     };
-    let Some([from, _]) = k.checked_sub(1).and_then(|inner| feather.edges_tan.get(inner)) else {
+    let Some([from, _]) = k
+        .checked_sub(1)
+        .and_then(|inner| feather.edges_tan.get(inner))
+    else {
         return false;
     };
     let cosine = viewport.direction(px).normalize().dot(feather.gaze);
@@ -111,7 +114,13 @@ impl PassZones {
         let hides = k > 0 && matches!(plan.resolve, Resolve::Feather(_));
         let total = |f: fn(&ZoneCount) -> f64| self.zones.iter().map(f).sum::<f64>();
         let sums = [total(|z| z.samples), total(|z| z.shadings)];
-        let factor = |exact: f64, sum: f64| if hides || sum <= 0.0 { 1.0 } else { exact / sum };
+        let factor = |exact: f64, sum: f64| {
+            if hides || sum <= 0.0 {
+                1.0
+            } else {
+                exact / sum
+            }
+        };
         let factors = [factor(live, sums[0]), factor(shadings, sums[1])];
         for zone in &mut self.zones {
             if zone.samples > 0.0 {

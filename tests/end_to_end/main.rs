@@ -2,6 +2,7 @@
 
 mod bad_input;
 mod determinism;
+mod evidence;
 mod masks;
 mod plan_and_latency;
 mod planner;

@@ -255,3 +255,6 @@ fn frame_work(plan: &SamplePlan, staggered: bool) -> FrameWork {
         passes: sum(&|_| 1.0),
     }
 }
+
+#[cfg(test)]
+mod tests;

@@ -1,7 +1,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use foveasim_models::foveation::Method;
-use foveasim_models::{Lattice, Map, Role, SamplePlan, Shading, Stream};
+use foveasim_models::{Map, Role, SamplePlan, Shading, Stream};
 
 /// One cell of scenes × displays × methods.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
@@ -58,9 +58,6 @@ pub(super) fn kind(plan: &SamplePlan) -> String {
     let passes = plan.passes.iter().map(|p| {
         let placed = !matches!(p.map, Map::Affine(_));
         let coarse = matches!(p.shading, Shading::Coarse(_));
-        let Lattice::Grid(_) = p.lattice else {
-            return (placed, coarse);
-        };
         (placed, coarse)
     });
     let passes: BTreeSet<(bool, bool)> = passes.collect();

@@ -39,7 +39,7 @@ impl VerifyOutcome {
 
     /// Absolute relative errors of speedups over full resolution, predicted and by the naive rule: of the row's cell, both
     /// of whose frames were drawn. `None` for full resolution itself.
-    fn ratio_errors(&self, row: &VerifyRow) -> Option<[f64; 2]> {
+    pub(super) fn ratio_errors(&self, row: &VerifyRow) -> Option<[f64; 2]> {
         if row.method == Method::Full {
             return None;
         }

@@ -97,7 +97,10 @@ mod tests {
             ),
             ("clip,method,jod\nstudy,vrs,nan\n", "s.csv:2: jod = `nan`"),
             ("clip,method,jod\nstudy,vrs,11\n", "from -100 to 10"),
-            ("clip,method,jod\nstudy,vsr,9\n", "did you mean `vrs`?"),
+            (
+                "clip,method,jod\nstudy,vsr,9\n",
+                "s.csv:2: unknown method `vsr`",
+            ),
             ("clip,method,jod\na,vrs,9\na,vrs:tile=16,8\n", "twice"),
         ] {
             let error = Scores::parse(text, "s.csv").unwrap_err().to_string();

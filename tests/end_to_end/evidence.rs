@@ -75,11 +75,11 @@ fn frames_leave_and_scores_come_back() {
         "--measure",
         "jod",
         "--error",
-        "0.8",
+        "0.2",
     ];
     let answer = scratch.ok(&with(&import));
     assert!(
-        answer.contains("Within jod 0.8, vrs takes least"),
+        answer.contains("Within jod 0.2, full takes least"),
         "{answer}"
     );
     scratch.write("bad.csv", "clip,method,jod\nroom:20,vrs,twelve\n");

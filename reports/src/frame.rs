@@ -79,6 +79,8 @@ pub(crate) enum Sample {
     Line,
     Dashes,
     Block,
+    Dot,
+    Ring,
 }
 
 /// A named colour in a legend.
@@ -188,6 +190,13 @@ fn draw_key(root: &Area<'_>, key: &Key, [x, y]: [f64; 2]) -> Drawn {
         }
         Sample::Line => root.draw(&PathElement::new(line, stroke(key.colour, 1.8)))?,
         Sample::Dashes => root.draw(&dashes(line, stroke(key.colour, 1.6)))?,
+        Sample::Dot | Sample::Ring => {
+            let style = match key.sample {
+                Sample::Ring => stroke(key.colour, 1.4),
+                _ => key.colour.filled(),
+            };
+            root.draw(&Circle::new((px(x + 8.0), px(y - 8.5)), px(3.2), style))?;
+        }
     }
     text(root, &key.label, [x + 22.0, y], HPos::Left, FONT, &INK)
 }

@@ -4,7 +4,7 @@
 //! them or none.
 //!
 //! * [`Table`]: named columns, as CSV, JSON or text;
-//! * [`Heatmap`], [`Histogram`], [`Waterfall`], [`LineChart`], [`BarChart`]: data with a method `svg`;
+//! * [`Heatmap`], [`Histogram`], [`Waterfall`], [`LineChart`], [`BarChart`], [`ScatterChart`]: data with a method `svg`;
 //! * [`png`], [`error_map()`], [`overlay`], [`annotated`], [`side_by_side`]: rendered images;
 //! * [`TraceEvents`]: a timeline that Perfetto opens;
 //! * [`Page`]: all of these in one HTML file that needs nothing else.
@@ -19,6 +19,7 @@ mod axes;
 mod bars;
 mod colormap;
 mod colour_bar;
+mod decades;
 mod error;
 mod error_map;
 mod frame;
@@ -31,6 +32,7 @@ mod outputs;
 mod page;
 mod picture;
 mod rows;
+mod scatter;
 mod strips;
 mod svg;
 mod table;
@@ -52,6 +54,7 @@ pub use outline::{Outline, annotated, overlay};
 pub use outputs::Outputs;
 pub use page::Page;
 pub use picture::{image_digest, png, shrink, side_by_side};
+pub use scatter::{ScatterChart, ScatterSeries};
 pub use strips::{Strip, Strips};
 pub use table::{Cell, Table};
 pub use table_writer::{TableDigest, TableWriter, TextLayout, csv_line};

@@ -2,6 +2,7 @@
 
 mod calibrate;
 mod chain;
+mod clock;
 mod context;
 mod drawing;
 mod failure;
@@ -9,6 +10,7 @@ mod init;
 mod latency;
 mod mask;
 mod options;
+mod pareto;
 mod plan;
 mod presets;
 mod render;
@@ -51,6 +53,7 @@ struct Cli {
 enum Command {
     Run(Box<run::Args>),
     Plan(Box<plan::Args>),
+    Pareto(Box<pareto::Args>),
     Calibrate(calibrate::Args),
     Latency(Box<latency::Args>),
     Replay(Box<replay::Args>),
@@ -72,6 +75,7 @@ pub fn main() -> ExitCode {
     let outcome = Context::new(&cli.global).and_then(|ctx| match &cli.command {
         Command::Run(args) => run::run(args, &ctx),
         Command::Plan(args) => plan::run(args, &ctx),
+        Command::Pareto(args) => pareto::run(args, &ctx),
         Command::Calibrate(args) => calibrate::run(args, &ctx),
         Command::Latency(args) => latency::run(args, &ctx),
         Command::Replay(args) => replay::run(args, &ctx),

@@ -2,6 +2,7 @@ mod kernel;
 mod log;
 mod resolution;
 mod run;
+mod verify;
 
 use std::sync::Arc;
 
@@ -39,6 +40,8 @@ use super::{Context, Failure, options};
   foveasim plan --fov 100 --ppd centre:25 --method layers:3 --solve accuracy --target 5x
   foveasim plan --display quest-pro --method layers:3,vrs --spread
   foveasim plan --fov 10..130:1 --shard 3/16 --out part3
+  foveasim plan --fov 40,80,120 --pixels 640x360,1280x720,1920x1080 --method full,layers:2,layers:3,vrs,fdm --verify 60 \
+      --scene study,room,machine --out evidence
   foveasim plan merge part1 part2 part3 --out all
   foveasim plan --display quest-pro --method kfr:2:4,kfr:2:1,kfr:2:0.25,efr:2:3,lms:1:1
 
@@ -181,6 +184,8 @@ pub(crate) struct Args {
     /// Standard deviation of the tracker's error along one axis [deg], for --spread
     #[arg(long, value_name = "DEG", default_value_t = 0.5)]
     tracker_sd_deg: f64,
+    #[command(flatten)]
+    verify: verify::VerifyArgs,
     /// Draws of --spread for each row
     #[arg(long, value_name = "N", default_value_t = 99)]
     draws: u32,
@@ -227,6 +232,7 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
         Some(Find::Merge(args)) => run::merge(args, ctx),
         None if args.solve.is_some() => run::solve(args, ctx),
         None if args.spread => run::spread(args, ctx),
+        None if args.verify.is_asked() => verify::run(args, ctx),
         None => run::sweep(args, ctx),
     }
 }

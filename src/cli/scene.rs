@@ -80,6 +80,12 @@ const GENERATED: &str = "volume:";
 const MOST_PLACEMENTS: usize = 1 << 20;
 
 impl Stage {
+    /// The scene of a single frame, and the eye in it.
+    pub(crate) fn into_one(mut self) -> (Scene, Pose) {
+        let last = self.scenes.pop().expect("a stage has a scene");
+        (last, self.world_from_eye[self.world_from_eye.len() - 1])
+    }
+
     /// The frames, oldest first; `scan` says how each is scanned, of its eye a scan later.
     pub(crate) fn sights(&self, scan: impl Fn(Pose) -> Option<ScanMotion>) -> Vec<Sight<'_>> {
         let scenes = self.scenes.iter().cycle();
@@ -93,7 +99,35 @@ impl Stage {
     }
 }
 
+/// A scene's name, and the frame of the study scene's fly-through where one is given: `study@1500`.
+pub(crate) fn at_frame(name: &str) -> Result<(&str, Option<u32>), Failure> {
+    let Some((base, frame)) = name.split_once('@') else {
+        return Ok((name, None));
+    };
+    match frame.parse() {
+        Ok(frame) if base == "study" && frame < STUDY_FRAMES => Ok((base, Some(frame))),
+        _ => {
+            let last = STUDY_FRAMES - 1;
+            let text = format!("--scene {name}: want study@FRAME, a number from 0 to {last}");
+            Err(Failure::bad_input(text))
+        }
+    }
+}
+
 impl SceneArgs {
+    /// A scene by name or file, as it stands, seen by its own camera.
+    pub(crate) fn named(scene: &str, frame: Option<u32>) -> Self {
+        Self {
+            scene: scene.to_owned(),
+            frame,
+            camera: None,
+            look_at: None,
+            time: None,
+            texture: None,
+            up: None,
+        }
+    }
+
     /// Builds or loads the scene as it is in so many consecutive frames (one or more), `period_s`
     /// apart \[s\], and what moves moves on for `scan_s` \[s\] in each; `optics` are what its camera must fit it into.
     pub(crate) fn stage(

@@ -3,6 +3,7 @@
 mod bad_input;
 mod browser;
 mod determinism;
+mod evidence;
 mod masks;
 mod plan_and_latency;
 mod planner;

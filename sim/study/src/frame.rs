@@ -39,6 +39,23 @@ pub struct Sight<'a> {
     pub scan: Option<ScanMotion>,
 }
 
+impl Sight<'_> {
+    /// The view of it, on the image of `request` through `lens`.
+    pub(crate) fn view(
+        &self,
+        request: &Request,
+        lens: Option<LensSpec>,
+    ) -> Result<View, FrameError> {
+        let (eye, optics) = (request.eye, request.viewport);
+        let lens = lens.map(|lens| lens.over(optics.size));
+        let view = match self.scan {
+            None => View::still(eye, optics, self.world_from_eye),
+            Some(scan) => View::rolling(eye, optics, [self.world_from_eye, scan.end], scan.skew),
+        };
+        Ok(view.seen_through(lens.transpose()?))
+    }
+}
+
 /// How the frames of a [`FrameStudy`] are drawn.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Drawing {
@@ -152,13 +169,7 @@ impl FrameStudy<'_> {
     }
 
     fn view(&self, sight: &Sight<'_>) -> Result<View, FrameError> {
-        let (eye, optics) = (self.request.eye, self.request.viewport);
-        let lens = self.drawing.lens.map(|lens| lens.over(optics.size));
-        let view = match sight.scan {
-            None => View::still(eye, optics, sight.world_from_eye),
-            Some(scan) => View::rolling(eye, optics, [sight.world_from_eye, scan.end], scan.skew),
-        };
-        Ok(view.seen_through(lens.transpose()?))
+        sight.view(&self.request, self.drawing.lens)
     }
 
     fn reference(&self) -> Result<Frame, FrameError> {

@@ -2,6 +2,8 @@
 //!
 //! * [`Sweep`]: sample counts over displays, methods, acuity, gaze and margins;
 //! * [`Calibration`]: what work costs, fitted to measured frames;
+//! * [`Verify`]: frame times predicted before cells are drawn, beside those measured ([`measure()`]);
+//! * [`Pareto`]: methods by time and error, on scenes and recordings;
 //! * [`SpacingStudy`]: how far apart every method's samples lie, and the kernel that needs the fewest;
 //! * [`LatencyStudy`]: gaze-to-photon time, simulated and bounded;
 //! * [`EventStudy`]: fixations, saccades and blinks of a recording;
@@ -25,7 +27,9 @@ mod kernel;
 mod latency;
 mod line;
 mod mask;
+mod measure;
 mod numbers;
+mod pareto;
 mod prediction;
 mod recording;
 mod replay;
@@ -41,6 +45,7 @@ mod supersample;
 mod sweep;
 mod temporal;
 mod tracks;
+mod verify;
 
 pub use calibrate::{
     Calibration, Coefficient, CostFit, CostRow, CostRows, non_negative_least_squares,
@@ -58,7 +63,12 @@ pub use latency::{
     RunStart, Sensitivity, sensitivity_table, tornado,
 };
 pub use mask::{MaskReport, interpolation as mask_interpolation};
+pub use measure::{Clock, Job, JobFrame, Measured, measure};
 pub use numbers::parse_numbers;
+pub use pareto::{
+    Answer, Clip, ClipFrame, ErrorMeasure, Export, Pareto, ParetoErrors, ParetoOutcome, ParetoRing,
+    ParetoRow, Scores, ShowPair, Timing,
+};
 pub use prediction::{ErrorSpread, Prediction, PredictionRow, PredictionStudy};
 pub use recording::recording_table;
 pub use replay::{
@@ -97,3 +107,4 @@ pub use sweep::{
 };
 pub use temporal::{FrameSource, PlaceSource, TemporalQuality, TemporalRing, TemporalStudy};
 pub use tracks::Tracks;
+pub use verify::{HeldOutFor, Verify, VerifyOutcome, VerifyRow, VerifyScene};

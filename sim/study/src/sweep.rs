@@ -1,6 +1,7 @@
 //! Savings across displays, methods, acuity, gaze and tracking margins.
 
 mod display;
+mod request;
 mod row;
 mod shard;
 mod solve;

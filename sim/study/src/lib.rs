@@ -79,10 +79,10 @@ pub use replay::{
 };
 pub use reproduce::{
     AllPublished, Antialiasing, Bruder2019, Bruder2019Outcome, BruderErrors, BruderFound,
-    BruderMasks, BruderRing, BruderRow, BruderTimes, BruderVolume, Clock, Column, DominanceFit,
-    Family, Fig7User, Footing, FoveatedRow, FoveatedWay, Friston2019, Friston2019Outcome,
-    Guenter2012, Guenter2012Outcome, HeadRow, LatencyBars, LatencyRow, Meng2020, Paper, Payoff,
-    PayoffRow, Predicted, PredictedRow, Printed, Progress, Published, QualityRow, QualitySweep,
+    BruderMasks, BruderRing, BruderRow, BruderTimes, BruderVolume, Column, DominanceFit, Family,
+    Fig7User, Footing, FoveatedRow, FoveatedWay, Friston2019, Friston2019Outcome, Guenter2012,
+    Guenter2012Outcome, HeadRow, LatencyBars, LatencyRow, Meng2020, Paper, Payoff, PayoffRow,
+    Predicted, PredictedRow, Printed, Progress, Published, QualityRow, QualitySweep,
     ReproduceError, Reproduction, ResolutionRow, RollingRow, RollingWay, ShadowRow, Stein2021,
     SteinRow, StrengthRow, Table1, Table1Cell, TimeFit, Times, UserSigmas, Verdict,
 };

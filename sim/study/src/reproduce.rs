@@ -38,7 +38,7 @@ pub use guenter::{
 pub use meng::{DominanceFit, Fig7User, Meng2020, UserSigmas};
 pub use paper::Paper;
 pub use published::{Footing, Printed, Published, Verdict};
-pub use reproduction::{Clock, Progress, Reproduction};
+pub use reproduction::{Progress, Reproduction};
 pub use stein::{Stein2021, SteinRow};
 
 use crate::{FrameError, LatencyError};

@@ -1,11 +1,6 @@
-use std::time::Duration;
-
 use foveasim_reports::Table;
 
 use super::Published;
-
-/// The time since some moment of its own.
-pub type Clock<'a> = dyn FnMut() -> Duration + 'a;
 
 /// Hears what is being done, and how much of all is done (0 to 1).
 pub type Progress<'a> = dyn Fn(&str, f64) + 'a;

@@ -17,7 +17,7 @@ pub use terms::{Buffers, Fits, Link, Needs, Terms};
 use std::sync::Arc;
 
 use foveasim_models::foveation::{
-    Aim, Estimate, FloorDensity, Method, PassEstimate, Request, ideal_samples,
+    Aim, Estimate, FloorDensity, Method, PassEstimate, PlanCache, Request, ideal_samples,
 };
 use foveasim_models::{Acuity, GazeDirection, GazeMode, ModelError};
 use foveasim_reports::TableDigest;
@@ -90,8 +90,8 @@ impl Sweep {
     pub fn run(&self, on_rows: impl Fn(u64) + Sync) -> Result<Vec<SweepRow>, ModelError> {
         let rows: Vec<Result<Vec<SweepRow>, ModelError>> = (0..self.groups())
             .into_par_iter()
-            .map(|group| {
-                let rows = self.rows(group);
+            .map_init(PlanCache::default, |cache, group| {
+                let rows = self.rows_from(cache, group);
                 on_rows(self.methods.len() as u64);
                 rows
             })
@@ -114,13 +114,15 @@ impl Sweep {
     /// # Panics
     /// If there is no such group.
     pub fn address(&self, group: usize) -> String {
+        let cache = PlanCache::default();
         let Situation {
             display,
             acuity,
             gaze,
             margin_deg,
             terms,
-        } = self.situation(group);
+            ..
+        } = self.situation(group, &cache);
         let made_from = format!(
             "{display:?} {acuity:?} {gaze:?} {margin_deg:?} {terms:?} {:?} {:?}",
             self.gaze_mode, self.methods
@@ -136,12 +138,25 @@ impl Sweep {
     /// # Panics
     /// If there is no such group.
     pub fn rows(&self, group: usize) -> Result<Vec<SweepRow>, ModelError> {
-        self.situation(group).rows(&self.methods, self.gaze_mode)
+        self.rows_from(&PlanCache::default(), group)
+    }
+
+    /// The same with what a cache has kept of the groups before: those of one display follow each other.
+    ///
+    /// # Errors
+    /// As [`Sweep::run`].
+    ///
+    /// # Panics
+    /// If there is no such group.
+    pub fn rows_from(&self, cache: &PlanCache, group: usize) -> Result<Vec<SweepRow>, ModelError> {
+        self.situation(group, cache)
+            .rows(&self.methods, self.gaze_mode)
     }
 
     /// A sweep of one group.
     fn one(&self, group: usize) -> Self {
-        let situation = self.situation(group);
+        let cache = PlanCache::default();
+        let situation = self.situation(group, &cache);
         Self {
             displays: vec![situation.display.clone()],
             acuities: vec![situation.acuity],
@@ -153,7 +168,7 @@ impl Sweep {
         }
     }
 
-    fn situation(&self, group: usize) -> Situation<'_> {
+    fn situation<'a>(&'a self, group: usize, cache: &'a PlanCache) -> Situation<'a> {
         let mut rest = group;
         let mut next = |n: usize| {
             let place = rest % n;
@@ -171,6 +186,7 @@ impl Sweep {
             gaze,
             margin_deg,
             terms: &self.terms,
+            cache,
         }
     }
 }
@@ -182,6 +198,7 @@ struct Situation<'a> {
     gaze: GazeAt,
     margin_deg: f64,
     terms: &'a Arc<Terms>,
+    cache: &'a PlanCache,
 }
 
 impl Situation<'_> {
@@ -216,7 +233,8 @@ impl Situation<'_> {
         let estimate = |eye: &SweepEye| {
             let gaze = self.drawn_gaze(eye, method.aim(), mode);
             let own = method.of_eye(eye.eye);
-            let estimate = own.estimate(&eye.screen, self.acuity, gaze, self.margin_deg)?;
+            let (acuity, margin_deg) = (self.acuity, self.margin_deg);
+            let estimate = (self.cache).estimate(&own, &eye.screen, acuity, gaze, margin_deg)?;
             Ok(without_hidden_area(estimate, eye.hidden_area_fraction))
         };
         self.display.eyes.iter().map(estimate).collect()
@@ -237,7 +255,7 @@ impl Situation<'_> {
                 ahead: eye.ahead(),
                 margin_deg: self.margin_deg,
             };
-            let count = method.plan(&request)?.count();
+            let count = self.cache.plan(&method, &request)?.count();
             drawn.samples += count.samples();
             drawn.shadings += count.shadings();
         }
@@ -245,11 +263,12 @@ impl Situation<'_> {
     }
 
     /// Evaluations of shading of the fixed method over those of the tracked one: fixed as `method` is,
-    /// or with the default reach. `None` for a method whose samples are given, fixed or not.
+    /// or with the default reach. `own` are the method's as it is. `None` for a method whose samples are given, fixed or not.
     fn tracked_over_fixed(
         &self,
         method: Method,
         mode: GazeMode,
+        own: &[Estimate],
     ) -> Result<Option<f64>, ModelError> {
         if method.is_given() {
             return Ok(None);
@@ -259,8 +278,11 @@ impl Situation<'_> {
             aim @ Aim::Fixed { .. } => aim,
         };
         let shadings = |aim| {
-            let estimates = self.estimates(method.with_aim(aim), mode)?;
-            Ok(estimates.iter().map(Estimate::shadings).sum::<f64>())
+            let sum = |all: &[Estimate]| all.iter().map(Estimate::shadings).sum::<f64>();
+            match aim == method.aim() {
+                true => Ok(sum(own)),
+                false => Ok(sum(&self.estimates(method.with_aim(aim), mode)?)),
+            }
         };
         Ok(Some(shadings(fixed)? / shadings(Aim::Tracked)?))
     }
@@ -301,7 +323,7 @@ impl Situation<'_> {
             method_shadings_staggered: total(Estimate::shadings_staggered),
             ideal_samples: ideal,
             drawn: self.drawn(method, mode)?,
-            tracked_over_fixed: self.tracked_over_fixed(method, mode)?,
+            tracked_over_fixed: self.tracked_over_fixed(method, mode, &estimates)?,
             extrapolated: farthest.fold(0.0, f64::max) > MEASURED_TO_DEG,
             terms: self.terms.clone(),
             passes: passes(|_| 1.0),
@@ -418,6 +440,8 @@ mod tests {
         let one = run(1);
         assert_eq!(one.rows().len(), many.len());
         assert_eq!(one.digest(), run(7).digest());
+        let alone = (0..many.groups()).flat_map(|g| many.rows(g).unwrap());
+        assert_eq!(one, SweepRow::table(&alone.collect::<Vec<_>>()));
         assert_eq!(one.rows()[0][1], Cell::Float(30.0));
         assert_eq!(one.rows()[2][0], Cell::Text("layers:3".into()));
     }

@@ -2,6 +2,7 @@
 
 use std::path::PathBuf;
 
+use foveasim_models::foveation::PlanCache;
 use foveasim_reports::{Heatmap, Outputs, Table};
 use foveasim_study::{SavingsSpread, SavingsSpreadRow, Shard, Solve, Sweep, SweepRow};
 use rayon::prelude::*;
@@ -117,7 +118,10 @@ fn in_parts(
         .collect();
     let bar = ctx.progress((groups.len() * methods) as u64, "planning");
     for some in groups.chunks(CHUNK) {
-        let made: Vec<_> = some.par_iter().map(|g| sweep.rows(*g)).collect();
+        let made: Vec<_> = some
+            .par_iter()
+            .map_init(PlanCache::default, |cache, g| sweep.rows_from(cache, *g))
+            .collect();
         for (group, rows) in some.iter().zip(made) {
             let added = writer.append(sweep, *group, &rows?)?;
             bar.inc(added.len() as u64);

@@ -587,6 +587,47 @@ mod tests {
     }
 
     #[test]
+    fn energy_is_told_where_the_profile_does() {
+        let lg = SweepDisplay::from(&presets::display("lg-w2363d").unwrap());
+        let mut one = sweep(vec![lg], "full,layers:3");
+        let cells = |sweep: &Sweep, row: usize| {
+            let table = SweepRow::table(&sweep.run(|_| ()).unwrap());
+            let place = |name: &str| table.columns().iter().position(|c| c == name).unwrap();
+            ["energy_mj", "full_energy_mj", "power_w", "full_power_w"]
+                .map(|name| table.rows()[row][place(name)].clone())
+        };
+        assert_eq!(cells(&one, 1), [(); 4].map(|()| Cell::Empty));
+        let mut terms = Terms::default();
+        terms.link.compression = 2.0;
+        terms.cost.energy = Some(foveasim_models::EnergyProfile {
+            fixed_mj: 1.0,
+            per_sample_nj: 2.0,
+            per_gbit_mj: 100.0,
+            ..Default::default()
+        });
+        one.terms = Arc::new(terms);
+        // 2,073,600 samples of 24 bits, halved: 0.0249 Gbit.
+        let full = 1.0 + 2.0736 * 2.0 + 0.024_883_2 * 100.0;
+        let hz = one.displays[0].refresh.unwrap().hz();
+        for (cell, want) in
+            cells(&one, 0)
+                .into_iter()
+                .zip([full, full, full * hz / 1e3, full * hz / 1e3])
+        {
+            let Cell::Float(got) = cell else {
+                panic!("{cell:?}")
+            };
+            assert!((got - want).abs() < 1e-9, "{got}, {want}");
+        }
+        let [Cell::Float(layers), Cell::Float(all), ..] = cells(&one, 1) else {
+            panic!()
+        };
+        assert!(layers > 1.0 && layers < all / 2.0 && (all - full).abs() < 1e-9);
+        one.displays[0].refresh = None;
+        assert_eq!(cells(&one, 1)[2], Cell::Empty);
+    }
+
+    #[test]
     fn pixels_per_degree_say_where() {
         let width = |at| {
             let display = Resolution::PerDegree(at, 40.0)

@@ -345,10 +345,6 @@ pub(super) fn crowded() -> Vec<(&'static str, Chain)> {
             chain(VsyncFree, crowded(3, "uniform:7..13", 3.0, 100.0)),
         ),
         (
-            "free, locked, 2 in flight, rarely late",
-            chain(VsyncFree, crowded(2, "uniform:2..11", 5.5, 100.0)),
-        ),
-        (
             "free, locked at 80 Hz, 2 in flight, uneven and late, with a lead and a warp",
             chain(VsyncFree, |c| {
                 warped(c, Missed::Repeat);

@@ -105,6 +105,8 @@ fn searched(study: &LatencyStudy, quantity: Quantity, longest: bool) -> Nanos {
         (false, false) => 12,
         _ => 10,
     };
+    // Where each of several frames must be just so long, what is left of the steps adds up.
+    let finest = Nanos(if crowded { 60 } else { 250 });
     for seed in 0..starts {
         let mut stream = Stream::new(seed, Role::RenderTime, 0);
         let mut frames = Chosen::draw(law, &mut stream);
@@ -120,7 +122,7 @@ fn searched(study: &LatencyStudy, quantity: Quantity, longest: bool) -> Nanos {
             }
         }
         let mut step = Nanos(2 * MS);
-        while step >= Nanos(250) {
+        while step >= finest {
             let mut improved = false;
             for what in 0..4 {
                 for by in [step, -step] {

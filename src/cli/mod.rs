@@ -9,6 +9,7 @@ mod init;
 mod latency;
 mod mask;
 mod options;
+mod parquet;
 mod plan;
 mod presets;
 mod render;
@@ -69,7 +70,8 @@ pub fn main() -> ExitCode {
         Ok(cli) => cli,
         Err(error) => return bad_flags(&error),
     };
-    let outcome = Context::new(&cli.global).and_then(|ctx| match &cli.command {
+    let plans = matches!(cli.command, Command::Plan(_));
+    let outcome = Context::new(&cli.global, plans).and_then(|ctx| match &cli.command {
         Command::Run(args) => run::run(args, &ctx),
         Command::Plan(args) => plan::run(args, &ctx),
         Command::Calibrate(args) => calibrate::run(args, &ctx),

@@ -8,7 +8,10 @@ mod spread;
 mod terms;
 
 pub use display::{DensityAt, Resolution, SweepDisplay, SweepEye};
-pub use row::{COLUMNS as SWEEP_COLUMNS, Drawn, SweepRow};
+pub use row::{
+    COLUMNS as SWEEP_COLUMNS, Drawn, SweepRow, TEXT_COLUMNS as SWEEP_TEXT_COLUMNS,
+    WHOLE_COLUMNS as SWEEP_WHOLE_COLUMNS,
+};
 pub use shard::Shard;
 pub use solve::{Outcome, Solution, Solve, Target, Unknown};
 pub use spread::{SavingsSpread, SavingsSpreadRow};
@@ -584,6 +587,29 @@ mod tests {
             let expected = hidden / coarsest.scale.element_product() / coarsest.block;
             assert!((shadings / expected - 1.0).abs() < 1e-6, "{}", whole.method);
         }
+    }
+
+    #[test]
+    fn columns_hold_what_they_say() {
+        let quest = SweepDisplay::from(&presets::display("quest-pro").unwrap());
+        let made_up = Resolution::Sharpness(0.3).display(70.0, 1.0).unwrap();
+        let rows = sweep(vec![quest, made_up], "full,layers:3,vrs:fixed,kfr:2:4");
+        let table = SweepRow::table(&rows.run(|_| ()).unwrap());
+        for (place, name) in table.columns().iter().enumerate() {
+            for row in table.rows() {
+                let fits = match &row[place] {
+                    Cell::Text(_) => SWEEP_TEXT_COLUMNS.contains(&name.as_str()),
+                    Cell::Int(_) => !SWEEP_TEXT_COLUMNS.contains(&name.as_str()),
+                    Cell::Float(_) => ![&SWEEP_TEXT_COLUMNS[..], &SWEEP_WHOLE_COLUMNS]
+                        .concat()
+                        .contains(&name.as_str()),
+                    Cell::Empty => true,
+                };
+                assert!(fits, "{name}: {:?}", row[place]);
+            }
+        }
+        let known = |name: &&str| SWEEP_COLUMNS.contains(name);
+        assert!(SWEEP_TEXT_COLUMNS.iter().all(known) && SWEEP_WHOLE_COLUMNS.iter().all(known));
     }
 
     #[test]

@@ -333,6 +333,28 @@ pub const COLUMNS: [&str; 50] = [
     "full_power_w",
 ];
 
+/// Columns of [`SweepRow::table`] that hold text.
+pub const TEXT_COLUMNS: [&str; 14] = [
+    "method",
+    "display",
+    "gaze_mode",
+    "gaze_within_margin",
+    "coverage",
+    "blending",
+    "layer_radii_deg",
+    "layer_scales",
+    "layer_drawn",
+    "layer_rates_hz",
+    "extrapolated",
+    "cost_profile",
+    "fits_refresh",
+    "beyond_fit",
+];
+
+/// Columns of [`SweepRow::table`] that hold whole numbers in every row. What is neither here nor among
+/// [`TEXT_COLUMNS`] is a number, whole or not.
+pub const WHOLE_COLUMNS: [&str; 3] = ["eyes", "plan_samples", "plan_shadings"];
+
 fn yes(is: bool) -> Cell {
     if is { "yes" } else { "no" }.into()
 }

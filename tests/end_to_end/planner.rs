@@ -328,7 +328,10 @@ fn parquet_is_of_whole_sweeps_and_where_it_is_built_in() {
         refused(&["plan", "--format", "parquet"], "--features parquet");
         return;
     }
-    let parquet = |args: &[&str]| [&["plan", "--fov", "90", "--format", "parquet"], args].concat();
+    fn parquet<'a>(args: &[&'a str]) -> Vec<&'a str> {
+        let plan = ["plan", "--fov", "90", "--format", "parquet"];
+        plan.into_iter().chain(args.iter().copied()).collect()
+    }
     refused(&parquet(&["--shard", "1/2", "--out", "part"]), "CSV");
     refused(&["plan", "merge", "part", "--format", "parquet"], "CSV");
     scratch.ok(&["plan", "--fov", "90", "--out", "a"]);

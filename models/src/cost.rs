@@ -4,7 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use crate::error::in_range;
 use crate::presets::Source;
-use crate::{Durations, GazeDirection, ModelError, Nanos, Pose, Role, Stream, unknown_name};
+use crate::{
+    Durations, EnergyProfile, GazeDirection, ModelError, Nanos, Pose, Role, Stream, unknown_name,
+};
 
 /// What a frame knew when its rendering began: all that its cost may depend on.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -170,6 +172,9 @@ pub struct CostProfile {
     /// known.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub error: Option<f64>,
+    /// What a frame takes of energy, where that is known.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub energy: Option<EnergyProfile>,
     /// Where each number comes from, by field name.
     #[serde(default)]
     pub sources: BTreeMap<String, Source>,
@@ -191,6 +196,9 @@ impl CostProfile {
         )?;
         in_range("per_pass_ms", self.per_pass_ms, 0.0..=1e6)?;
         in_range("error", self.error.unwrap_or(0.0), 0.0..=1e3)?;
+        if let Some(energy) = &self.energy {
+            energy.validate()?;
+        }
         for (name, [from, to]) in &self.fitted {
             if !FrameWork::TERMS.contains(&name.as_str()) {
                 return Err(unknown_name(

@@ -29,6 +29,7 @@ mod cost;
 mod density;
 mod display;
 mod durations;
+mod energy;
 mod error;
 pub mod foveation;
 mod gaze;
@@ -57,6 +58,7 @@ pub use display::{
     PixelDensity, PixelResponse, PlanarSpec, ScanClock, ScanDirection, ScanSkew, ScanSpec,
 };
 pub use durations::Durations;
+pub use energy::EnergyProfile;
 pub use error::{ModelError, closest, toml_error, unknown_name};
 pub use gaze::{GazeDirection, GazeMode};
 pub use geometry::{Pose, Rect, exp_so3, log_so3};

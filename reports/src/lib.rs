@@ -30,6 +30,8 @@ mod number;
 mod outline;
 mod outputs;
 mod page;
+#[cfg(feature = "parquet")]
+mod parquet;
 mod picture;
 mod rows;
 mod scatter;
@@ -53,6 +55,8 @@ pub use lines::{LineChart, LineSeries};
 pub use outline::{Outline, annotated, overlay};
 pub use outputs::Outputs;
 pub use page::Page;
+#[cfg(feature = "parquet")]
+pub use parquet::ColumnType;
 pub use picture::{image_digest, png, shrink, side_by_side};
 pub use scatter::{ScatterChart, ScatterSeries};
 pub use strips::{Strip, Strips};

@@ -5,7 +5,7 @@ use clap::ValueEnum;
 use foveasim_reports::{Outputs, Table};
 use indicatif::{ProgressBar, ProgressStyle};
 
-use super::Failure;
+use super::{Failure, parquet};
 
 /// Flags that every subcommand understands.
 #[derive(Debug, clap::Args)]
@@ -33,6 +33,8 @@ pub(crate) enum Format {
     Csv,
     /// A JSON array of objects, full precision
     Json,
+    /// Apache Parquet, full precision: tables of `plan`, where it is built in
+    Parquet,
 }
 
 /// What every subcommand is given: validated global flags, and the only way to print.
@@ -46,7 +48,15 @@ pub(crate) struct Context {
 }
 
 impl Context {
-    pub(crate) fn new(global: &Global) -> Result<Self, Failure> {
+    /// Of flags to a subcommand, which may be `plan`.
+    pub(crate) fn new(global: &Global, plans: bool) -> Result<Self, Failure> {
+        if global.format == Format::Parquet {
+            if !plans {
+                let text = "--format parquet: `foveasim plan` has it; here are table, csv and json";
+                return Err(Failure::bad_input(text));
+            }
+            parquet::check()?;
+        }
         if let Some(n) = global.threads {
             rayon::ThreadPoolBuilder::new()
                 .num_threads(n as usize)
@@ -81,7 +91,18 @@ impl Context {
             Format::Table => table.text(),
             Format::Csv => table.csv(),
             Format::Json => table.json(),
+            Format::Parquet => return self.print_bytes(&parquet::file(table, None)?),
         })
+    }
+
+    /// Prints what no terminal can show.
+    pub(crate) fn print_bytes(&self, bytes: &[u8]) -> Result<(), Failure> {
+        let mut out = std::io::stdout().lock();
+        if out.is_terminal() {
+            let text = "--format parquet: is no text: send it to a file, or give --out DIR";
+            return Err(Failure::bad_input(text));
+        }
+        Self::delivered(out.write_all(bytes).and_then(|()| out.flush()))
     }
 
     /// Prints a table, and keeps it as `name` in the folder given with `--out`.

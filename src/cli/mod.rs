@@ -11,6 +11,7 @@ mod latency;
 mod mask;
 mod options;
 mod pareto;
+mod parquet;
 mod plan;
 mod presets;
 mod render;
@@ -72,7 +73,8 @@ pub fn main() -> ExitCode {
         Ok(cli) => cli,
         Err(error) => return bad_flags(&error),
     };
-    let outcome = Context::new(&cli.global).and_then(|ctx| match &cli.command {
+    let plans = matches!(cli.command, Command::Plan(_));
+    let outcome = Context::new(&cli.global, plans).and_then(|ctx| match &cli.command {
         Command::Run(args) => run::run(args, &ctx),
         Command::Plan(args) => plan::run(args, &ctx),
         Command::Pareto(args) => pareto::run(args, &ctx),

@@ -75,7 +75,8 @@ unless it says) than if tracked, of the same quality; empty for kfr, efr, lms an
 the gaze than slopes were measured. frame_ms is the time that the cost profile predicts, each layer at
 its own cadence, frame_all_ms with every layer; fits_refresh compares both with the refresh;
 beyond_fit names the work that is beyond what the profile rests on. framebuffer_mb is of all layers and
-of the image put together from them. link_gbps carries layers as often as they are drawn.
+of the image put together from them. link_gbps carries layers as often as they are drawn. energy_mj and
+power_w are empty where the cost profile has no [energy].
 --solve latency: the eye goes on at --eye-speed while the picture is late, and the margin must cover
 that besides --margin-deg. --spread: percentiles over viewers (a normal law of 15 subjects' quality
 index), the tracker's error, the cost profile's error where it states one, and all of them.
@@ -172,7 +173,8 @@ pub(crate) struct Args {
     /// Find what just meets --target: latency, accuracy, ppd or gpu
     #[arg(long, value_name = "UNKNOWN", requires = "target", conflicts_with_all = ["resume", "shard", "spread"])]
     solve: Option<String>,
-    /// What is to be met, with its unit: a speedup 5x, a frame time 11ms, or a refresh rate 90hz
+    /// What is to be met, with its unit: a speedup 5x, a frame time 11ms, a refresh rate 90hz, an energy
+    /// 12mJ or a power 1.5W
     #[arg(long, value_name = "TARGET", requires = "solve")]
     target: Option<String>,
     /// How fast the eye goes on while the picture is late [deg/s], for --solve latency

@@ -307,3 +307,41 @@ fn a_profile_that_was_fitted_is_planned_with() {
     let ran = scratch.run(&["calibrate", "rows.csv", "--name", "../x"]);
     assert!(ran.code == 2 && ran.err.contains("--name"), "{}", ran.err);
 }
+
+/// Built in or not, it is no other command's; and of those that `plan` has, no rows that are kept as CSV.
+#[test]
+fn parquet_is_of_whole_sweeps_and_where_it_is_built_in() {
+    let scratch = Scratch::new();
+    let refused = |args: &[&str], expect: &str| {
+        let ran = scratch.run(args);
+        assert!(
+            ran.code == 2 && ran.err.contains(expect),
+            "{args:?}: {}",
+            ran.err
+        );
+    };
+    refused(
+        &["presets", "--format", "parquet"],
+        "`foveasim plan` has it",
+    );
+    if cfg!(not(feature = "parquet")) {
+        refused(&["plan", "--format", "parquet"], "--features parquet");
+        return;
+    }
+    fn parquet<'a>(args: &[&'a str]) -> Vec<&'a str> {
+        let plan = ["plan", "--fov", "90", "--format", "parquet"];
+        plan.into_iter().chain(args.iter().copied()).collect()
+    }
+    refused(&parquet(&["--shard", "1/2", "--out", "part"]), "CSV");
+    refused(&["plan", "merge", "part", "--format", "parquet"], "CSV");
+    scratch.ok(&["plan", "--fov", "90", "--out", "a"]);
+    for folder in ["a", "b"] {
+        assert_eq!(scratch.ok(&parquet(&["--out", folder])), "");
+    }
+    let file = |name: &str| std::fs::read(scratch.path(name)).unwrap();
+    let bytes = file("a/plan.parquet");
+    assert!(bytes.starts_with(b"PAR1") && bytes.ends_with(b"PAR1"));
+    assert_eq!(bytes, file("b/plan.parquet"));
+    // The table of the run before is gone.
+    assert!(!scratch.path("a/plan.csv").exists());
+}

@@ -1,8 +1,11 @@
+use std::rc::Rc;
+
 use glam::{DVec2, UVec2};
 
 use super::Screen;
 use super::cover::TanBox;
-use super::need::Need;
+use super::need::{Need, Sight};
+use super::plan_cache::Sights;
 
 /// A screen cut into cells of whole pixels from the top left; those at the right and lower edge may be
 /// cut short.
@@ -10,6 +13,8 @@ pub(super) struct Cells<'a> {
     need: &'a Need<'a>,
     size: DVec2,
     cell: DVec2,
+    /// What all cells look like, where that is kept.
+    kept: Option<Rc<Sights>>,
 }
 
 /// More cells than this are not looked at one by one by [`Cells::survey`].
@@ -35,8 +40,58 @@ impl Blocks {
 
 impl<'a> Cells<'a> {
     pub(super) fn new(need: &'a Need<'a>, cell: UVec2) -> Self {
-        let (size, cell) = (pixels(need.screen), cell.as_dvec2());
-        Self { need, size, cell }
+        let mut cells = Self {
+            need,
+            size: pixels(need.screen),
+            cell: cell.as_dvec2(),
+            kept: None,
+        };
+        let count = cells.count().as_dvec2();
+        if let Some(cache) = need.cache
+            && count.x * count.y <= MOST_SURVEYED
+        {
+            let make = || cells.sights();
+            cells.kept = Some(cache.sights(need.screen, need.gaze, cell, make));
+        }
+        cells
+    }
+
+    /// What every cell looks like, and every block.
+    fn sights(&self) -> Sights {
+        let all = |count: UVec2| {
+            let row = move |y: u32| (0..count.x).map(move |x| UVec2::new(x, y));
+            (0..count.y).flat_map(row)
+        };
+        Sights {
+            cells: all(self.count()).map(|index| self.sight(index)).collect(),
+            blocks: all(self.block_count())
+                .map(|b| self.block_sight(b))
+                .collect(),
+        }
+    }
+
+    /// What cell `index` looks like.
+    fn sight(&self, index: UVec2) -> Sight {
+        match &self.kept {
+            Some(sights) => sights.cells[(index.y * self.count().x + index.x) as usize],
+            None => self.sight_from(index.as_dvec2() * self.cell),
+        }
+    }
+
+    fn block_count(&self) -> UVec2 {
+        let count = self.count();
+        UVec2::new(count.x.div_ceil(BLOCK), count.y.div_ceil(BLOCK))
+    }
+
+    /// What block `index` looks like.
+    fn block_sight(&self, index: UVec2) -> Sight {
+        if let Some(sights) = &self.kept {
+            return sights.blocks[(index.y * self.block_count().x + index.x) as usize];
+        }
+        let side = self.cell * f64::from(BLOCK);
+        let first = index.as_dvec2() * side;
+        let last = (first + side).min(self.size);
+        self.need.sight(area(self.need.screen, first, last))
     }
 
     /// How many, across and down.
@@ -51,22 +106,17 @@ impl<'a> Cells<'a> {
             .flat_map(move |y| (0..count.x).map(move |x| UVec2::new(x, y)))
             .map(move |index| match blocks.of(index) {
                 Some(spacing) => spacing,
-                None => self.spacing_from(index.as_dvec2() * self.cell).0,
+                None => self.need.allowed(self.sight(index)),
             })
     }
 
     /// What suffices in all of a block of cells suffices in each of them: far from the gaze, most cells need not
     /// be looked at.
     fn blocks(&self, enough: f64) -> Blocks {
-        let across = self.count().x.div_ceil(BLOCK);
-        let down = self.count().y.div_ceil(BLOCK);
-        let side = self.cell * f64::from(BLOCK);
-        let places =
-            (0..down).flat_map(|y| (0..across).map(move |x| DVec2::new(x.into(), y.into())));
-        let spacing = |place: DVec2| {
-            let first = place * side;
-            let last = (first + side).min(self.size);
-            let spacing = self.need.spacing(area(self.need.screen, first, last));
+        let UVec2 { x: across, y: down } = self.block_count();
+        let places = (0..down).flat_map(|y| (0..across).map(move |x| UVec2::new(x, y)));
+        let spacing = |place: UVec2| {
+            let spacing = self.need.allowed(self.block_sight(place));
             (spacing.min_element() >= enough).then_some(spacing)
         };
         Blocks {
@@ -91,8 +141,8 @@ impl<'a> Cells<'a> {
             for x in 0..looked_at.x as u64 {
                 let index = DVec2::new(x as f64, y as f64);
                 let middle = (index + 0.5) / looked_at * self.size;
-                let (spacing, _) = self.spacing_from(middle - self.cell / 2.0);
-                visit(spacing, pixels);
+                let sight = self.sight_from(middle - self.cell / 2.0);
+                visit(self.need.allowed(sight), pixels);
             }
         }
     }
@@ -111,21 +161,25 @@ impl<'a> Cells<'a> {
             }
             for y in from.y..to.y {
                 for x in from.x..to.x {
-                    let (spacing, pixels) =
-                        self.spacing_from(UVec2::new(x, y).as_dvec2() * self.cell);
-                    visit(spacing, pixels);
+                    let index = UVec2::new(x, y);
+                    let pixels = self.pixels_from(index.as_dvec2() * self.cell);
+                    visit(self.need.allowed(self.sight(index)), pixels);
                 }
             }
         }
     }
 
-    /// The spacing allowed in the cell that begins at pixel position `first`, and its pixels.
-    fn spacing_from(&self, first: DVec2) -> (DVec2, f64) {
+    /// What the cell that begins at pixel position `first` looks like.
+    fn sight_from(&self, first: DVec2) -> Sight {
         let last = (first + self.cell).min(self.size);
-        let first = first.max(DVec2::ZERO);
-        let area = area(self.need.screen, first, last);
-        let pixels = last - first;
-        (self.need.spacing(area), pixels.x * pixels.y)
+        self.need
+            .sight(area(self.need.screen, first.max(DVec2::ZERO), last))
+    }
+
+    /// Pixels of the cell that begins at pixel position `first`.
+    fn pixels_from(&self, first: DVec2) -> f64 {
+        let pixels = (first + self.cell).min(self.size) - first.max(DVec2::ZERO);
+        pixels.x * pixels.y
     }
 }
 
@@ -159,6 +213,7 @@ mod tests {
             acuity: Acuity::default(),
             gaze: GazeDirection::new(11.0, 7.0).vector(),
             margin_deg: 2.0,
+            cache: None,
         };
         let (mut coarse, mut all) = (0.0, 0.0);
         Cells::new(&need, UVec2::splat(8)).survey(f64::INFINITY, |spacing, pixels| {
@@ -183,6 +238,7 @@ mod tests {
                 acuity: Acuity::default(),
                 gaze: GazeDirection::new(at.0, at.1).vector(),
                 margin_deg: 1.0,
+                cache: None,
             };
             let cells = Cells::new(&need, UVec2::splat(16));
             let capped = |enough: f64| -> Vec<DVec2> {

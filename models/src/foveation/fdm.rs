@@ -4,7 +4,7 @@ use super::cells::Cells;
 use super::estimate::Estimate;
 use super::mosaic::{self, Density, Tally};
 use super::need::Need;
-use super::{Method, Request, TileSettings};
+use super::{Method, PlanCache, Request, TileSettings};
 use crate::SamplePlan;
 
 /// Fragment density maps (Vulkan `VK_EXT_fragment_density_map`): each tile of the display is rasterised
@@ -12,9 +12,13 @@ use crate::SamplePlan;
 ///
 /// A tile's rate is found as in variable-rate shading, but visibility is as coarse as shading, and 1 × 4
 /// and 4 × 1 are allowed.
-pub(super) fn plan(settings: &TileSettings, request: &Request) -> SamplePlan {
+pub(super) fn plan(
+    settings: &TileSettings,
+    request: &Request,
+    cache: Option<&PlanCache>,
+) -> SamplePlan {
     let screen = (&request.viewport).into();
-    let need = request.need(&screen);
+    let need = request.need(&screen, cache);
     let cell = UVec2::splat(settings.tile());
     let spacings = Cells::new(&need, cell);
     let densities: Vec<Density> = spacings

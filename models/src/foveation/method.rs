@@ -4,7 +4,8 @@ use std::str::FromStr;
 use super::need::Need;
 use super::{
     Aim, DominanceSettings, Estimate, KernelSettings, LayersSettings, LensMatchedSettings,
-    QuadSettings, RadialSettings, RatesSettings, Screen, TileSettings, fdm, kfr, request, vrs,
+    PlanCache, QuadSettings, RadialSettings, RatesSettings, Screen, TileSettings, fdm, kfr,
+    request, vrs,
 };
 use crate::{Acuity, Eye, GazeDirection, ModelError, unknown_name};
 
@@ -116,6 +117,18 @@ impl Method {
         gaze: GazeDirection,
         margin_deg: f64,
     ) -> Result<Estimate, ModelError> {
+        self.estimate_from(None, screen, acuity, gaze, margin_deg)
+    }
+
+    /// As [`Method::estimate`], with what a cache has kept.
+    pub(super) fn estimate_from(
+        &self,
+        cache: Option<&PlanCache>,
+        screen: &Screen,
+        acuity: Acuity,
+        gaze: GazeDirection,
+        margin_deg: f64,
+    ) -> Result<Estimate, ModelError> {
         request::check(gaze, margin_deg)?;
         let gaze = gaze.vector();
         let margin_deg = self.aim().margin_deg(margin_deg);
@@ -124,11 +137,15 @@ impl Method {
             acuity,
             gaze,
             margin_deg,
+            cache,
         };
         Ok(match self {
             Self::Full => Estimate::full(screen),
             Self::Layers(settings) => {
-                let design = settings.design(screen, acuity, margin_deg)?;
+                let design = match cache {
+                    Some(cache) => cache.design(settings, screen, acuity, margin_deg)?,
+                    None => settings.design(screen, acuity, margin_deg)?,
+                };
                 design.estimate(gaze, settings.coverage)
             }
             Self::Vrs(settings) => vrs::estimate(settings, &need),

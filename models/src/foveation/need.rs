@@ -1,7 +1,7 @@
 use glam::{DVec2, DVec3};
 
-use super::Screen;
 use super::cover::TanBox;
+use super::{PlanCache, Screen};
 use crate::Acuity;
 use crate::math::{acos, sqrt, to_deg, to_rad};
 
@@ -24,19 +24,37 @@ pub(super) struct Need<'a> {
     /// Unit vector, eye frame.
     pub(super) gaze: DVec3,
     pub(super) margin_deg: f64,
+    /// What is kept between needs of the same screen.
+    pub(super) cache: Option<&'a PlanCache>,
+}
+
+/// What an area looks like from the eye: all that its spacing depends on, but for the acuity line and the margin.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Sight {
+    /// The least angle between the area and the gaze \[deg\].
+    eccentricity_deg: f64,
+    /// The largest angle of a pixel along x and along y \[rad\].
+    pixel: DVec2,
 }
 
 impl Need<'_> {
-    /// The widest spacing along x and y that suffices everywhere in `area` \[display pixels\]: the
+    /// The widest spacing along x and y that suffices everywhere in what looks so \[display pixels\]: the
     /// acuity where it is nearest the gaze over the angle of its largest pixel. Below 1 the display is
     /// coarser than the eye.
-    pub(super) fn spacing(&self, area: TanBox) -> DVec2 {
-        let e = to_deg(acos(self.nearest_cos(area)));
+    pub(super) fn allowed(&self, sight: Sight) -> DVec2 {
+        let e = sight.eccentricity_deg;
         let step = to_rad(self.acuity.mar_deg(e - self.margin_deg) / 2.0);
-        let pixel = self.screen.pixel_tan();
+        DVec2::splat(step) / sight.pixel
+    }
+
+    /// What `area` looks like.
+    pub(super) fn sight(&self, area: TanBox) -> Sight {
         let [x, y] = [0, 1].map(|axis| nearest_and_farthest(area.min[axis], area.max[axis]));
         let turn = DVec2::new(largest_turn(x, y), largest_turn(y, x));
-        DVec2::splat(step) / (pixel * turn)
+        Sight {
+            eccentricity_deg: to_deg(acos(self.nearest_cos(area))),
+            pixel: self.screen.pixel_tan() * turn,
+        }
     }
 
     /// The cosine of the least angle between `area` and the gaze. Within the hemisphere about the gaze
@@ -92,6 +110,12 @@ mod tests {
     use super::*;
     use crate::GazeDirection;
 
+    impl Need<'_> {
+        fn spacing(&self, area: TanBox) -> DVec2 {
+            self.allowed(self.sight(area))
+        }
+    }
+
     proptest! {
         /// No place of a rectangle allows less than the bound, and a dense search comes near it.
         #[test]
@@ -101,7 +125,7 @@ mod tests {
         ) {
             let screen = Screen::planar(1000.0, 1.5, 0.7).unwrap();
             let gaze = GazeDirection::new(az, el).vector();
-            let need = Need { screen: &screen, acuity: Acuity::default(), gaze, margin_deg };
+            let need = Need { screen: &screen, acuity: Acuity::default(), gaze, margin_deg, cache: None };
             let area = TanBox { min: DVec2::new(x, y), max: DVec2::new(x + w, y + h) };
             let bound = need.spacing(area);
             let (mut cos, mut turn) = (-1.0f64, DVec2::ZERO);
@@ -130,6 +154,7 @@ mod tests {
             acuity: Acuity::default(),
             gaze: DVec3::NEG_Z,
             margin_deg: 0.0,
+            cache: None,
         };
         let at = |x: f64, y: f64| {
             let p = DVec2::new(x, y);

@@ -1,4 +1,4 @@
-use super::{LayerDesign, Method, Request, Screen, fdm, kfr, layers, request, vrs};
+use super::{LayerDesign, Method, PlanCache, Request, Screen, fdm, kfr, layers, request, vrs};
 use crate::{GazeDirection, ModelError, SamplePlan};
 
 /// A method fitted to one image, acuity and margin. What does not depend on the gaze is done once, so
@@ -17,12 +17,24 @@ impl Method {
     /// # Errors
     /// If a direction is not finite or the margin is not from 0 to 90 degrees.
     pub fn prepare(&self, request: &Request) -> Result<Prepared, ModelError> {
+        self.prepare_from(None, request)
+    }
+
+    /// As [`Method::prepare`], with what a cache has kept.
+    pub(super) fn prepare_from(
+        &self,
+        cache: Option<&PlanCache>,
+        request: &Request,
+    ) -> Result<Prepared, ModelError> {
         request.check()?;
         let design = match self {
             Self::Layers(settings) => {
                 let screen = Screen::from(&request.viewport);
                 let margin_deg = settings.aim.margin_deg(request.margin_deg);
-                Some(settings.design(&screen, request.acuity, margin_deg)?)
+                Some(match cache {
+                    Some(cache) => cache.design(settings, &screen, request.acuity, margin_deg)?,
+                    None => settings.design(&screen, request.acuity, margin_deg)?,
+                })
             }
             _ => None,
         };
@@ -48,6 +60,15 @@ impl Prepared {
     /// # Errors
     /// If the gaze is not finite.
     pub fn plan(&self, gaze: GazeDirection) -> Result<SamplePlan, ModelError> {
+        self.plan_from(None, gaze)
+    }
+
+    /// As [`Prepared::plan`], with what a cache has kept.
+    pub(super) fn plan_from(
+        &self,
+        cache: Option<&PlanCache>,
+        gaze: GazeDirection,
+    ) -> Result<SamplePlan, ModelError> {
         request::check(gaze, self.request.margin_deg)?;
         // From here on nothing but where the method is aimed, and how far from there the eye may be.
         let aim = self.method.aim();
@@ -58,9 +79,9 @@ impl Prepared {
         };
         Ok(match (&self.method, &self.design) {
             (Method::Layers(settings), Some(design)) => layers::plan(settings, design, &request),
-            (Method::Vrs(settings), _) => vrs::plan(settings, &request)?,
-            (Method::Fdm(settings), _) => fdm::plan(settings, &request),
-            (Method::Rates(settings), _) => settings.plan(&request),
+            (Method::Vrs(settings), _) => vrs::plan(settings, &request, cache)?,
+            (Method::Fdm(settings), _) => fdm::plan(settings, &request, cache),
+            (Method::Rates(settings), _) => settings.plan(&request, cache),
             (Method::Quad(settings), _) => settings.plan(&request),
             (Method::Kfr(settings), _) => kfr::plan(self.method.to_string(), settings, &request)?,
             (Method::Efr(settings), _) => {

@@ -89,7 +89,7 @@ impl QuadSettings {
     /// whole image where focus and periphery together need as many samples.
     pub(super) fn plan(&self, request: &Request) -> SamplePlan {
         let screen = Screen::from(&request.viewport);
-        let need = request.need(&screen);
+        let need = request.need(&screen, None);
         let full = SamplePlan {
             method: Method::Quad(*self).to_string(),
             ..SamplePlan::full(request.eye, request.viewport.size)

@@ -8,7 +8,7 @@ use super::estimate::Estimate;
 use super::mosaic::{self, Density, Tally};
 use super::need::Need;
 use super::text::{Setting, settings};
-use super::{Aim, Method, Request, Screen};
+use super::{Aim, Method, PlanCache, Request, Screen};
 use crate::{ModelError, SamplePlan};
 
 /// Settings of separable rate maps (Metal's `MTLRasterizationRateMap`), written `rates[:setting]…`:
@@ -59,9 +59,9 @@ impl RatesSettings {
     }
 
     /// Which samples are drawn.
-    pub(super) fn plan(&self, request: &Request) -> SamplePlan {
+    pub(super) fn plan(&self, request: &Request, cache: Option<&PlanCache>) -> SamplePlan {
         let screen = (&request.viewport).into();
-        let need = request.need(&screen);
+        let need = request.need(&screen, cache);
         let (cell, [x, y]) = self.rates(&need);
         let densities: Vec<Density> = y
             .iter()

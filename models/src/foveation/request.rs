@@ -1,7 +1,7 @@
 use glam::DVec2;
 
-use super::Screen;
 use super::need::Need;
+use super::{PlanCache, Screen};
 use crate::error::in_range;
 use crate::{Acuity, Eye, EyePanel, GazeDirection, ModelError, Viewport};
 
@@ -69,12 +69,13 @@ impl Request {
     }
 
     /// What the eye needs of the image, which `screen` describes.
-    pub(super) fn need<'a>(&self, screen: &'a Screen) -> Need<'a> {
+    pub(super) fn need<'a>(&self, screen: &'a Screen, cache: Option<&'a PlanCache>) -> Need<'a> {
         Need {
             screen,
             acuity: self.acuity,
             gaze: self.gaze.vector(),
             margin_deg: self.margin_deg,
+            cache,
         }
     }
 }

@@ -1,7 +1,7 @@
 use super::cells::Cells;
 use super::estimate::{Estimate, PassEstimate};
 use super::need::Need;
-use super::{Method, Request, TileSettings};
+use super::{Method, PlanCache, Request, TileSettings};
 use crate::{ModelError, SamplePlan, Shading, ShadingRate, TileRates};
 use glam::{DVec2, UVec2};
 
@@ -10,10 +10,14 @@ use glam::{DVec2, UVec2};
 ///
 /// A tile's rate is the coarsest, per axis, that keeps to the spacing the eye needs everywhere in the
 /// tile, at its least eccentricity and largest pixel.
-pub(super) fn plan(settings: &TileSettings, request: &Request) -> Result<SamplePlan, ModelError> {
+pub(super) fn plan(
+    settings: &TileSettings,
+    request: &Request,
+    cache: Option<&PlanCache>,
+) -> Result<SamplePlan, ModelError> {
     let size = request.viewport.size;
     let screen = (&request.viewport).into();
-    let need = request.need(&screen);
+    let need = request.need(&screen, cache);
     let cells = Cells::new(&need, UVec2::splat(settings.tile()));
     let mut spacings = cells.spacings(settings.enough());
     let rates = TileRates::new(size, settings.tile(), |_| {

@@ -1,16 +1,20 @@
+mod backlog;
 mod host;
 mod locked;
+mod meeting;
 mod queue;
 mod ticks;
+mod unit;
+mod zone;
 
 use foveasim_models::Nanos;
 
 use crate::{Interval, Missed, STAGES, Setup, Stage, SyncMode};
 use host::Host;
-use locked::Meeting;
+use meeting::{Meeting, Torn};
 use ticks::{longest, periods};
 
-pub use locked::{Beat, LockedFlip};
+pub use locked::Beat;
 pub use ticks::until;
 
 /// Which movement is answered.
@@ -65,15 +69,15 @@ impl BoundKind {
 /// from the start of a frame to its flip, where the parts depend on each other, the sum is bounded as
 /// a whole. Frames in flight that are late are followed from one to the next until what they do repeats.
 /// [`StageBounds::kind`] says which bounds are exact.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+#[derive(Debug, Clone, PartialEq, Eq)]
 pub struct StageBounds {
     stages: [Interval; STAGES.len()],
     /// From the movement to the flip.
     to_flip: Interval,
     whole_is: BoundKind,
     parts_are: BoundKind,
-    /// When frames flip after they start, where the place of the beam then is not independent.
-    locked: Option<LockedFlip>,
+    /// When frames flip, where the place of the beam then is not independent.
+    torn: Option<Torn>,
     /// When after the vertical blank the row is scanned.
     row: Nanos,
     /// Longest time between vertical blanks.
@@ -94,7 +98,8 @@ impl StageBounds {
     /// end of the shortest frame.
     pub fn new(setup: &Setup<'_>, render: Interval, row: Nanos, movement: Movement) -> Self {
         let refresh = longest(setup.scan.rate, 1);
-        let host = Host::new(setup, render);
+        let meeting = Meeting::of(setup, render);
+        let host = Host::new(setup, render, &meeting);
         let (runtime, lead) = (&setup.runtime, setup.runtime.lead);
         let sensing = sensing(setup, movement);
         let latch = match movement {
@@ -126,13 +131,13 @@ impl StageBounds {
             0 => Interval::ZERO,
             n => periods(setup.scan.rate, i64::from(n)),
         };
-        let locked = match Meeting::of(setup, render) {
-            Meeting::Places(flip) if setup.sync == SyncMode::Tearing => Some(flip),
+        let torn = match setup.sync {
+            SyncMode::Tearing => Torn::of(&meeting),
             _ => None,
         };
         let scan_wait = match setup.sync {
-            SyncMode::Tearing => match &locked {
-                Some(flip) => flip.wait(refresh, row),
+            SyncMode::Tearing => match &torn {
+                Some(torn) => torn.wait(refresh, row),
                 None => Interval::new(Nanos::ZERO, refresh),
             },
             SyncMode::VsyncFree | SyncMode::Vsync => Interval::exactly(row),
@@ -166,7 +171,7 @@ impl StageBounds {
                 true => BoundKind::Exact,
                 false => host.parts_are,
             },
-            locked,
+            torn,
             row,
             refresh,
             host_cycle: host.cycle,
@@ -174,11 +179,6 @@ impl StageBounds {
             turn: host.turn,
             beat: Beat::of(setup, render),
         }
-    }
-
-    /// When a picture that tears flips after its frame's start, if that decides where the beam is.
-    pub fn locked(&self) -> Option<LockedFlip> {
-        self.locked
     }
 
     /// Whether the bounds of a stage are reached.
@@ -207,12 +207,15 @@ impl StageBounds {
         self.to_flip
     }
 
-    /// From the movement to the start of the frame that answers it, where the place of the beam at its flip
-    /// depends on how long it renders.
-    pub fn to_start(&self) -> Option<Interval> {
-        let render = self.locked?.render;
-        let Interval { min, max } = self.to_flip;
-        Some(Interval::new(min - render.min, max - render.max))
+    /// From the movement until the panel is told, and `after` that, where the place of the beam at the flip depends
+    /// on when it is; else `None`. `after` is told how far the beam has come; it may jump where the beam passes one
+    /// of `edges`, and is steady or falls by as much as the beam goes on in between.
+    pub fn torn(&self, edges: &[Nanos], after: impl Fn(Nanos) -> Nanos) -> Option<Interval> {
+        let torn = self.torn.as_ref()?;
+        let (whole, depends) = (self.to_flip, torn.to_flip());
+        let before = Interval::new(whole.min - depends.min, whole.max - depends.max);
+        let way = torn.way(self.refresh, edges, after);
+        Some(before + self.get(Stage::DisplayBuffer) + way)
     }
 
     /// From the movement until the panel is told: the flip, and the frames it holds.
@@ -222,13 +225,10 @@ impl StageBounds {
 
     /// The whole way, to the row's light.
     pub fn total(&self) -> Interval {
-        let to_row = match (self.to_start(), &self.locked) {
-            (Some(to_start), Some(flip)) => {
-                let after = |beam| until(self.row, beam, self.refresh);
-                let buffered = self.get(Stage::DisplayBuffer);
-                to_start + buffered + flip.way(self.refresh, &[self.row], after)
-            }
-            _ => self.to_panel() + self.get(Stage::ScanWait),
+        let after = |beam| until(self.row, beam, self.refresh);
+        let to_row = match self.torn(&[self.row], after) {
+            Some(way) => way,
+            None => self.to_panel() + self.get(Stage::ScanWait),
         };
         to_row + self.get(Stage::PixelResponse) + self.get(Stage::Persistence)
     }

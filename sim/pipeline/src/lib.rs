@@ -38,7 +38,7 @@ mod setup;
 mod sink;
 mod stages;
 
-pub use bounds::{Beat, BoundKind, LockedFlip, Movement, StageBounds, until};
+pub use bounds::{Beat, BoundKind, Movement, StageBounds, until};
 pub use calendar::Calendar;
 pub use cursor::Cursor;
 pub use displayed::{Displayed, Segment, Shown};

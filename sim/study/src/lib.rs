@@ -102,8 +102,8 @@ pub use stress::{StressRow, StressStudy};
 pub use supersample::supersampled;
 pub use sweep::{
     Buffers, DensityAt, Drawn, Fits, GazeAt, Link, MapRatio, Needs, Outcome, Resolution,
-    SWEEP_COLUMNS, SavingsSpread, SavingsSpreadRow, Shard, Solution, Solve, Sweep, SweepDisplay,
-    SweepEye, SweepRow, Target, Terms, Unknown,
+    SWEEP_COLUMNS, SWEEP_TEXT_COLUMNS, SWEEP_WHOLE_COLUMNS, SavingsSpread, SavingsSpreadRow, Shard,
+    Solution, Solve, Sweep, SweepDisplay, SweepEye, SweepRow, Target, Terms, Unknown,
 };
 pub use temporal::{FrameSource, PlaceSource, TemporalQuality, TemporalRing, TemporalStudy};
 pub use tracks::Tracks;

@@ -9,7 +9,10 @@ mod spread;
 mod terms;
 
 pub use display::{DensityAt, Resolution, SweepDisplay, SweepEye};
-pub use row::{COLUMNS as SWEEP_COLUMNS, Drawn, MapRatio, SweepRow};
+pub use row::{
+    COLUMNS as SWEEP_COLUMNS, Drawn, MapRatio, SweepRow, TEXT_COLUMNS as SWEEP_TEXT_COLUMNS,
+    WHOLE_COLUMNS as SWEEP_WHOLE_COLUMNS,
+};
 pub use shard::Shard;
 pub use solve::{Outcome, Solution, Solve, Target, Unknown};
 pub use spread::{SavingsSpread, SavingsSpreadRow};
@@ -18,7 +21,7 @@ pub use terms::{Buffers, Fits, Link, Needs, Terms};
 use std::sync::Arc;
 
 use foveasim_models::foveation::{
-    Aim, Estimate, FloorDensity, Method, PassEstimate, Request, ideal_samples,
+    Aim, Estimate, FloorDensity, Method, PassEstimate, PlanCache, Request, ideal_samples,
 };
 use foveasim_models::{Acuity, GazeDirection, GazeMode, ModelError};
 use foveasim_reports::TableDigest;
@@ -91,8 +94,8 @@ impl Sweep {
     pub fn run(&self, on_rows: impl Fn(u64) + Sync) -> Result<Vec<SweepRow>, ModelError> {
         let rows: Vec<Result<Vec<SweepRow>, ModelError>> = (0..self.groups())
             .into_par_iter()
-            .map(|group| {
-                let rows = self.rows(group);
+            .map_init(PlanCache::default, |cache, group| {
+                let rows = self.rows_from(cache, group);
                 on_rows(self.methods.len() as u64);
                 rows
             })
@@ -115,13 +118,15 @@ impl Sweep {
     /// # Panics
     /// If there is no such group.
     pub fn address(&self, group: usize) -> String {
+        let cache = PlanCache::default();
         let Situation {
             display,
             acuity,
             gaze,
             margin_deg,
             terms,
-        } = self.situation(group);
+            ..
+        } = self.situation(group, &cache);
         let made_from = format!(
             "{display:?} {acuity:?} {gaze:?} {margin_deg:?} {terms:?} {:?} {:?}",
             self.gaze_mode, self.methods
@@ -137,12 +142,25 @@ impl Sweep {
     /// # Panics
     /// If there is no such group.
     pub fn rows(&self, group: usize) -> Result<Vec<SweepRow>, ModelError> {
-        self.situation(group).rows(&self.methods, self.gaze_mode)
+        self.rows_from(&PlanCache::default(), group)
+    }
+
+    /// The same with what a cache has kept of the groups before: those of one display follow each other.
+    ///
+    /// # Errors
+    /// As [`Sweep::run`].
+    ///
+    /// # Panics
+    /// If there is no such group.
+    pub fn rows_from(&self, cache: &PlanCache, group: usize) -> Result<Vec<SweepRow>, ModelError> {
+        self.situation(group, cache)
+            .rows(&self.methods, self.gaze_mode)
     }
 
     /// A sweep of one group.
     fn one(&self, group: usize) -> Self {
-        let situation = self.situation(group);
+        let cache = PlanCache::default();
+        let situation = self.situation(group, &cache);
         Self {
             displays: vec![situation.display.clone()],
             acuities: vec![situation.acuity],
@@ -154,7 +172,7 @@ impl Sweep {
         }
     }
 
-    fn situation(&self, group: usize) -> Situation<'_> {
+    fn situation<'a>(&'a self, group: usize, cache: &'a PlanCache) -> Situation<'a> {
         let mut rest = group;
         let mut next = |n: usize| {
             let place = rest % n;
@@ -172,6 +190,7 @@ impl Sweep {
             gaze,
             margin_deg,
             terms: &self.terms,
+            cache,
         }
     }
 }
@@ -183,6 +202,7 @@ struct Situation<'a> {
     gaze: GazeAt,
     margin_deg: f64,
     terms: &'a Arc<Terms>,
+    cache: &'a PlanCache,
 }
 
 impl Situation<'_> {
@@ -217,7 +237,8 @@ impl Situation<'_> {
         let estimate = |eye: &SweepEye| {
             let gaze = self.drawn_gaze(eye, method.aim(), mode);
             let own = method.of_eye(eye.eye);
-            let estimate = own.estimate(&eye.screen, self.acuity, gaze, self.margin_deg)?;
+            let (acuity, margin_deg) = (self.acuity, self.margin_deg);
+            let estimate = (self.cache).estimate(&own, &eye.screen, acuity, gaze, margin_deg)?;
             Ok(without_hidden_area(estimate, eye.hidden_area_fraction))
         };
         self.display.eyes.iter().map(estimate).collect()
@@ -238,7 +259,7 @@ impl Situation<'_> {
                 ahead: eye.ahead(),
                 margin_deg: self.margin_deg,
             };
-            let count = method.plan(&request)?.count();
+            let count = self.cache.plan(&method, &request)?.count();
             drawn.samples += count.samples();
             drawn.shadings += count.shadings();
         }
@@ -246,11 +267,12 @@ impl Situation<'_> {
     }
 
     /// Evaluations of shading of the fixed method over those of the tracked one: fixed as `method` is,
-    /// or with the default reach. `None` for a method whose samples are given, fixed or not.
+    /// or with the default reach. `own` are the method's as it is. `None` for a method whose samples are given, fixed or not.
     fn tracked_over_fixed(
         &self,
         method: Method,
         mode: GazeMode,
+        own: &[Estimate],
     ) -> Result<Option<f64>, ModelError> {
         if method.is_given() {
             return Ok(None);
@@ -260,8 +282,11 @@ impl Situation<'_> {
             aim @ Aim::Fixed { .. } => aim,
         };
         let shadings = |aim| {
-            let estimates = self.estimates(method.with_aim(aim), mode)?;
-            Ok(estimates.iter().map(Estimate::shadings).sum::<f64>())
+            let sum = |all: &[Estimate]| all.iter().map(Estimate::shadings).sum::<f64>();
+            match aim == method.aim() {
+                true => Ok(sum(own)),
+                false => Ok(sum(&self.estimates(method.with_aim(aim), mode)?)),
+            }
         };
         Ok(Some(shadings(fixed)? / shadings(Aim::Tracked)?))
     }
@@ -302,7 +327,7 @@ impl Situation<'_> {
             method_shadings_staggered: total(Estimate::shadings_staggered),
             ideal_samples: ideal,
             drawn: self.drawn(method, mode)?,
-            tracked_over_fixed: self.tracked_over_fixed(method, mode)?,
+            tracked_over_fixed: self.tracked_over_fixed(method, mode, &estimates)?,
             extrapolated: farthest.fold(0.0, f64::max) > MEASURED_TO_DEG,
             terms: self.terms.clone(),
             passes: passes(|_| 1.0),
@@ -419,6 +444,8 @@ mod tests {
         let one = run(1);
         assert_eq!(one.rows().len(), many.len());
         assert_eq!(one.digest(), run(7).digest());
+        let alone = (0..many.groups()).flat_map(|g| many.rows(g).unwrap());
+        assert_eq!(one, SweepRow::table(&alone.collect::<Vec<_>>()));
         assert_eq!(one.rows()[0][1], Cell::Float(30.0));
         assert_eq!(one.rows()[2][0], Cell::Text("layers:3".into()));
     }
@@ -561,6 +588,70 @@ mod tests {
             let expected = hidden / coarsest.scale.element_product() / coarsest.block;
             assert!((shadings / expected - 1.0).abs() < 1e-6, "{}", whole.method);
         }
+    }
+
+    #[test]
+    fn columns_hold_what_they_say() {
+        let quest = SweepDisplay::from(&presets::display("quest-pro").unwrap());
+        let made_up = Resolution::Sharpness(0.3).display(70.0, 1.0).unwrap();
+        let rows = sweep(vec![quest, made_up], "full,layers:3,vrs:fixed,kfr:2:4");
+        let table = SweepRow::table(&rows.run(|_| ()).unwrap());
+        for (place, name) in table.columns().iter().enumerate() {
+            for row in table.rows() {
+                let fits = match &row[place] {
+                    Cell::Text(_) => SWEEP_TEXT_COLUMNS.contains(&name.as_str()),
+                    Cell::Int(_) => !SWEEP_TEXT_COLUMNS.contains(&name.as_str()),
+                    Cell::Float(_) => ![&SWEEP_TEXT_COLUMNS[..], &SWEEP_WHOLE_COLUMNS]
+                        .concat()
+                        .contains(&name.as_str()),
+                    Cell::Empty => true,
+                };
+                assert!(fits, "{name}: {:?}", row[place]);
+            }
+        }
+        let known = |name: &&str| SWEEP_COLUMNS.contains(name);
+        assert!(SWEEP_TEXT_COLUMNS.iter().all(known) && SWEEP_WHOLE_COLUMNS.iter().all(known));
+    }
+
+    #[test]
+    fn energy_is_told_where_the_profile_does() {
+        let lg = SweepDisplay::from(&presets::display("lg-w2363d").unwrap());
+        let mut one = sweep(vec![lg], "full,layers:3");
+        let cells = |sweep: &Sweep, row: usize| {
+            let table = SweepRow::table(&sweep.run(|_| ()).unwrap());
+            let place = |name: &str| table.columns().iter().position(|c| c == name).unwrap();
+            ["energy_mj", "full_energy_mj", "power_w", "full_power_w"]
+                .map(|name| table.rows()[row][place(name)].clone())
+        };
+        assert_eq!(cells(&one, 1), [(); 4].map(|()| Cell::Empty));
+        let mut terms = Terms::default();
+        terms.link.compression = 2.0;
+        terms.cost.energy = Some(foveasim_models::EnergyProfile {
+            fixed_mj: 1.0,
+            per_sample_nj: 2.0,
+            per_gbit_mj: 100.0,
+            ..Default::default()
+        });
+        one.terms = Arc::new(terms);
+        // 2,073,600 samples of 24 bits, halved: 0.0249 Gbit.
+        let full = 1.0 + 2.0736 * 2.0 + 0.024_883_2 * 100.0;
+        let hz = one.displays[0].refresh.unwrap().hz();
+        for (cell, want) in
+            cells(&one, 0)
+                .into_iter()
+                .zip([full, full, full * hz / 1e3, full * hz / 1e3])
+        {
+            let Cell::Float(got) = cell else {
+                panic!("{cell:?}")
+            };
+            assert!((got - want).abs() < 1e-9, "{got}, {want}");
+        }
+        let [Cell::Float(layers), Cell::Float(all), ..] = cells(&one, 1) else {
+            panic!()
+        };
+        assert!(layers > 1.0 && layers < all / 2.0 && (all - full).abs() < 1e-9);
+        one.displays[0].refresh = None;
+        assert_eq!(cells(&one, 1)[2], Cell::Empty);
     }
 
     #[test]

@@ -2,11 +2,16 @@
 
 use std::path::PathBuf;
 
-use foveasim_reports::{Heatmap, Outputs, Table};
-use foveasim_study::{SavingsSpread, SavingsSpreadRow, Shard, Solve, Sweep, SweepRow};
+use foveasim_models::foveation::PlanCache;
+use foveasim_reports::{Heatmap, Outputs};
+use foveasim_study::{
+    SWEEP_TEXT_COLUMNS, SWEEP_WHOLE_COLUMNS, SavingsSpread, SavingsSpreadRow, Shard, Solve, Sweep,
+    SweepRow,
+};
 use rayon::prelude::*;
 
 use super::super::context::Format;
+use super::super::parquet::{self, Columns};
 use super::super::{Context, Failure};
 use super::log::{self, Header, Log, Writer};
 use super::{Args, READABLE, pick};
@@ -56,26 +61,48 @@ pub(super) fn sweep(args: &Args, ctx: &Context) -> Result<(), Failure> {
             sweep.terms.cost.name
         ));
     }
-    if ctx.format == Format::Table {
-        ctx.print_table(&pick(&table, &READABLE))?;
-        ctx.note("All columns: --format csv");
-    } else {
-        ctx.print_table(&table)?;
+    let file = match ctx.format {
+        Format::Parquet => Some(parquet::file(&table, Some(COLUMNS))?),
+        _ => None,
+    };
+    match (ctx.format, &file) {
+        (Format::Table, _) => {
+            ctx.print_table(&pick(&table, &READABLE))?;
+            ctx.note("All columns: --format csv");
+        }
+        // A folder gets it instead.
+        (_, Some(_)) if outputs.is_some() => {}
+        (_, Some(file)) => ctx.print_bytes(file)?,
+        _ => ctx.print_table(&table)?,
     }
     if let Some(outputs) = outputs {
-        write(outputs, &table, args.heatmaps(&sweep, &rows)?, ctx)?;
+        let table = match file {
+            Some(file) => ("plan.parquet", file),
+            None => ("plan.csv", table.csv().into_bytes()),
+        };
+        write(outputs, table, args.heatmaps(&sweep, &rows)?, ctx)?;
     }
     Ok(())
 }
 
+const COLUMNS: Columns<'_> = Columns {
+    text: &SWEEP_TEXT_COLUMNS,
+    whole: &SWEEP_WHOLE_COLUMNS,
+};
+
 /// Everything a folder given with `--out` receives.
 fn write(
     mut outputs: Outputs,
-    table: &Table,
+    (name, table): (&str, Vec<u8>),
     maps: Vec<(String, Heatmap)>,
     ctx: &Context,
 ) -> Result<(), Failure> {
-    outputs.add("plan.csv", table.csv());
+    // The other form of an earlier run would be of other rows.
+    outputs.retire(match name {
+        "plan.csv" => "plan.parquet",
+        _ => "plan.csv",
+    });
+    outputs.add(name, table);
     for (name, map) in maps {
         outputs.add(name, map.svg());
     }
@@ -93,6 +120,10 @@ fn in_parts(
     shard: Option<Shard>,
     ctx: &Context,
 ) -> Result<(), Failure> {
+    if ctx.format == Format::Parquet {
+        let text = "--format parquet: not with --resume or --shard, whose rows are kept as CSV";
+        return Err(Failure::bad_input(text));
+    }
     let mut outputs = ctx.outputs("out")?;
     let header = Header::of(sweep, shard.unwrap_or(Shard::WHOLE));
     let mut found = Log::read(outputs.dir())?;
@@ -117,7 +148,10 @@ fn in_parts(
         .collect();
     let bar = ctx.progress((groups.len() * methods) as u64, "planning");
     for some in groups.chunks(CHUNK) {
-        let made: Vec<_> = some.par_iter().map(|g| sweep.rows(*g)).collect();
+        let made: Vec<_> = some
+            .par_iter()
+            .map_init(PlanCache::default, |cache, g| sweep.rows_from(cache, *g))
+            .collect();
         for (group, rows) in some.iter().zip(made) {
             let added = writer.append(sweep, *group, &rows?)?;
             bar.inc(added.len() as u64);
@@ -181,6 +215,10 @@ pub(super) fn spread(args: &Args, ctx: &Context) -> Result<(), Failure> {
 }
 
 pub(super) fn merge(args: &MergeArgs, ctx: &Context) -> Result<(), Failure> {
+    if ctx.format == Format::Parquet {
+        let text = "--format parquet: `plan merge` puts CSV together";
+        return Err(Failure::bad_input(text));
+    }
     let text = log::merge(&args.folders)?;
     let Some(folder) = &ctx.out else {
         return ctx.print(&text);

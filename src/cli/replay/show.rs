@@ -51,6 +51,7 @@ impl Show<'_> {
         match self.ctx.format {
             Format::Csv => self.write(start, play, TableWriter::csv(out, REPLAY_COLUMNS)),
             Format::Json => self.write(start, play, TableWriter::json(out, REPLAY_COLUMNS)),
+            Format::Parquet => Err(Failure::bad_input("--format parquet: not of replays")),
             Format::Table => {
                 let mut layout = TextLayout::new(&REPLAY_COLUMNS);
                 self.play(start, play, |row| layout.add(row))?;

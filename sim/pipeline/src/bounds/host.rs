@@ -1,7 +1,9 @@
 use foveasim_models::Nanos;
 
 use super::BoundKind;
-use super::locked::{LockedFlip, Meeting};
+use super::backlog::{Backlog, BacklogFlips};
+use super::locked::LockedFlip;
+use super::meeting::Meeting;
 use super::queue::Queue;
 use super::ticks::{longest, periods, refreshes};
 use crate::runtime::LEAST_RESERVE;
@@ -76,9 +78,9 @@ impl Turns {
 }
 
 impl Host {
-    pub(super) fn new(setup: &Setup<'_>, render: Interval) -> Self {
+    pub(super) fn new(setup: &Setup<'_>, render: Interval, meeting: &Meeting) -> Self {
         match (setup.sync, setup.runtime.start) {
-            (SyncMode::Tearing | SyncMode::VsyncFree, _) => Self::free(setup, render),
+            (SyncMode::Tearing | SyncMode::VsyncFree, _) => Self::free(setup, render, meeting),
             (SyncMode::Vsync, FrameStart::JustInTime { reserve }) => {
                 Self::just_in_time(setup, render, reserve)
             }
@@ -93,12 +95,13 @@ impl Host {
     }
 
     /// Frames start with the host's own clock, or as soon as one of those in flight is finished.
-    fn free(setup: &Setup<'_>, render: Interval) -> Self {
-        let meeting = Meeting::of(setup, render);
-        if let Meeting::Places(flip) = meeting
-            && setup.sync == SyncMode::VsyncFree
-        {
-            return Self::locked(setup, &flip);
+    fn free(setup: &Setup<'_>, render: Interval, meeting: &Meeting) -> Self {
+        match meeting {
+            Meeting::Places(flip) if setup.sync == SyncMode::VsyncFree => {
+                return Self::locked(setup, flip);
+            }
+            Meeting::Mixed(backlog) => return Self::mixed(setup, backlog),
+            _ => {}
         }
         let refresh = longest(setup.scan.rate, 1);
         let Turns {
@@ -113,8 +116,8 @@ impl Host {
             _ => Interval::new(Nanos::ZERO, refresh),
         };
         let whole_is = match meeting {
-            Meeting::Mixed => BoundKind::Outer,
-            Meeting::Places(_) | Meeting::Anywhere => BoundKind::Exact,
+            Meeting::Unfollowed => BoundKind::Outer,
+            _ => BoundKind::Exact,
         };
         let to_flip = queue + render + flip_wait + lead;
         Self {
@@ -129,6 +132,41 @@ impl Host {
                 setup.scan.rate.first_at_or_after(ends).max(1),
             ),
             whole_is,
+            parts_are: BoundKind::Exact,
+            settling: Nanos::ZERO,
+            turn: Nanos::ZERO,
+        }
+    }
+
+    /// As [`Host::free`], of frames that begin by how many wait for them.
+    fn mixed(setup: &Setup<'_>, backlog: &Backlog) -> Self {
+        let BacklogFlips {
+            flip_wait,
+            start_to_flip,
+            wait_to_flip,
+            flips,
+        } = match setup.sync {
+            // They flip when they end.
+            SyncMode::Tearing => {
+                let Interval { min, max } = backlog.to_end();
+                BacklogFlips {
+                    flip_wait: Interval::ZERO,
+                    start_to_flip: Interval::new(min, max),
+                    wait_to_flip: max,
+                    flips: max,
+                }
+            }
+            _ => backlog.flips(),
+        };
+        Self {
+            cycle: backlog.cycle(),
+            wait: backlog.cycle(),
+            queue: backlog.queue(),
+            flip_wait,
+            to_flip: start_to_flip,
+            wait_to_flip,
+            flips,
+            whole_is: BoundKind::Exact,
             parts_are: BoundKind::Exact,
             settling: Nanos::ZERO,
             turn: Nanos::ZERO,

@@ -1,5 +1,6 @@
 use foveasim_models::{Nanos, Rate};
 
+use super::unit::{PERIOD_OF_A_MICRO_HZ, Unit, greatest_common_divisor};
 use crate::{Interval, Setup};
 
 /// Where the frames of a host whose clock is the display's begin to be rendered, and when they flip if they
@@ -11,68 +12,18 @@ use crate::{Interval, Setup};
 /// the other without end. In all of these the places in the refresh are a lattice: `lock` and every multiple of
 /// the greatest common measure of the refresh, the host's period and, if they overrun, the frames' time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub struct LockedFlip {
+pub(super) struct LockedFlip {
     /// From the vertical blank to a tick of the host.
-    lock: Nanos,
+    pub(super) lock: Nanos,
     /// In how many places of a refresh frames begin, evenly apart.
-    places: i64,
-    refresh: Rate,
+    pub(super) places: i64,
+    pub(super) refresh: Rate,
     /// How long frames render.
     pub(super) render: Interval,
 }
 
-/// How frames of a host that runs freely meet the display.
-#[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub(super) enum Meeting {
-    /// They begin in these places of the refresh only.
-    Places(LockedFlip),
-    /// They begin anywhere in it (nowhere is further than [`DENSE`] from a place where they do), whatever
-    /// was before.
-    Anywhere,
-    /// Some begin at ticks of the host's clock and some anywhere, by how many wait for them.
-    Mixed,
-}
-
-/// Places of a refresh this close to each other are as good as all of it.
-const DENSE: Nanos = Nanos(1000);
-
-/// One nanosecond of one micro-hertz.
-const PERIOD_OF_A_MICRO_HZ: i128 = 1_000_000_000_000_000;
-
-impl Meeting {
-    /// Of `setup`, whose frames render for a time within `render`.
-    ///
-    /// Frames of uneven times, some of them longer than the host's period, begin anywhere: a frame that begins
-    /// at a time within \[s, s + w\] after a tick and takes up to b is followed by one that begins within
-    /// \[s, s + w + b − period\] after a tick, and so on until that is all of the period. What comes
-    /// next does not depend on what was, if one frame is in flight or none is shorter than a period.
-    pub(super) fn of(setup: &Setup<'_>, render: Interval) -> Self {
-        let Some(lock) = setup.runtime.host_lock else {
-            return Self::Anywhere;
-        };
-        let host = setup.host_rate;
-        let late = overruns(setup, render);
-        if late && render.width() > Nanos::ZERO {
-            return match setup.runtime.in_flight == 1 || render.min > host.period() {
-                true => Self::Anywhere,
-                false => Self::Mixed,
-            };
-        }
-        let Beat { places, .. } = Beat::of(setup, render);
-        match places > 1 && setup.scan.rate.period() <= DENSE * places {
-            true => Self::Anywhere,
-            false => Self::Places(LockedFlip {
-                lock,
-                places,
-                refresh: setup.scan.rate,
-                render,
-            }),
-        }
-    }
-}
-
 /// Whether frames may take longer than the host has for one.
-fn overruns(setup: &Setup<'_>, render: Interval) -> bool {
+pub(super) fn overruns(setup: &Setup<'_>, render: Interval) -> bool {
     render.max > setup.host_rate.period() && !setup.runtime.overlapped
 }
 
@@ -85,7 +36,7 @@ pub struct Beat {
     /// take, if it is longer than the host's period; else 0.
     pub overrun: Nanos,
     /// In how many places of a refresh, evenly apart, frames begin.
-    places: i64,
+    pub(super) places: i64,
 }
 
 impl Beat {
@@ -97,18 +48,17 @@ impl Beat {
                 places: 1,
             };
         }
-        // In units of which both periods and a nanosecond have whole numbers.
-        let [host, display] = [setup.host_rate, setup.scan.rate].map(|r| i128::from(r.micro_hz()));
-        let common = greatest_common_divisor(host, display);
-        let unit = host / common * display;
-        let refresh = PERIOD_OF_A_MICRO_HZ * (host / common);
-        let period = PERIOD_OF_A_MICRO_HZ * (display / common);
+        let Unit {
+            ns,
+            refresh,
+            period,
+        } = Unit::of(setup);
         let both = greatest_common_divisor(refresh, period);
         let overrun = match overruns(setup, render) && render.width() == Nanos::ZERO {
             true => render.max,
             false => Nanos::ZERO,
         };
-        let measure = greatest_common_divisor(both, i128::from(overrun.0) * unit);
+        let measure = greatest_common_divisor(both, i128::from(overrun.0) * ns);
         Self {
             refreshes: (period / both) as i64,
             overrun,
@@ -122,13 +72,6 @@ impl Beat {
             Nanos::ZERO => 1,
             _ => self.places.min(1 << 20) as u64,
         }
-    }
-}
-
-fn greatest_common_divisor(a: i128, b: i128) -> i128 {
-    match b {
-        0 => a,
-        _ => greatest_common_divisor(b, a % b),
     }
 }
 
@@ -199,7 +142,12 @@ impl LockedFlip {
     /// Least and most of a way that begins when a frame begins to be rendered, and goes on from its flip as
     /// `after` says, which is told how far the beam has come then. `after` may jump where the beam passes one
     /// of `edges`, and is steady or falls by as much as the beam goes on in between.
-    pub fn way(&self, refresh: Nanos, edges: &[Nanos], after: impl Fn(Nanos) -> Nanos) -> Interval {
+    pub(super) fn way(
+        &self,
+        refresh: Nanos,
+        edges: &[Nanos],
+        after: impl Fn(Nanos) -> Nanos,
+    ) -> Interval {
         let Interval { min, max } = self.extremes(refresh, edges, |t, beam| t + after(beam));
         // Ticks are rounded to the nanosecond.
         Interval::new((min - Nanos(2)).max(Nanos::ZERO), max + Nanos(2))

@@ -2,6 +2,7 @@ use std::collections::{BTreeMap, HashMap};
 
 use foveasim_models::Nanos;
 
+use super::unit::Unit;
 use crate::{Interval, Setup};
 
 /// What frames in flight do once they run as they always will, if they render for longer than a refresh or too
@@ -58,34 +59,6 @@ type Flips = [i64; FLIPS];
 /// When the rendering of the last frame may have ended, by when the last frames flipped: ranges that do not
 /// touch, both ends included.
 type States = BTreeMap<Flips, Vec<[i128; 2]>>;
-
-/// Times in units of which a refresh has a whole number.
-struct Unit {
-    /// Units in a nanosecond, and in a refresh.
-    ns: i128,
-    refresh: i128,
-}
-
-impl Unit {
-    fn of(setup: &Setup<'_>) -> Self {
-        Self {
-            ns: i128::from(setup.scan.rate.micro_hz()),
-            refresh: 1_000_000_000_000_000,
-        }
-    }
-
-    fn of_nanos(&self, t: Nanos) -> i128 {
-        i128::from(t.0) * self.ns
-    }
-
-    fn down(&self, t: i128) -> Nanos {
-        Nanos(t.div_euclid(self.ns) as i64)
-    }
-
-    fn up(&self, t: i128) -> Nanos {
-        -self.down(-t)
-    }
-}
 
 impl Queue {
     /// Follows frames of `setup` that render for a time within `render`. `None` if no set of states comes again

@@ -204,6 +204,7 @@ impl Calibration {
             per_pass_ms: of("passes"),
             fitted,
             error,
+            energy: None,
             sources: sources.collect(),
         }
         .validate()

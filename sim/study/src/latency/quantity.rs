@@ -130,17 +130,14 @@ impl Rows {
                 to_panel + Interval::exactly(edges.lit(row))
             }
             // The place of the beam depends on how long the frame renders: both are bounded at once.
-            _ => match (stages.locked(), stages.to_start()) {
-                (Some(flip), Some(to_start)) => {
-                    let refresh = stages.refresh;
-                    let after = |at| self.after_flip_at(at, refresh, edges);
-                    to_start
-                        + stages.get(Stage::DisplayBuffer)
-                        + flip.way(refresh, &[edges.first, edges.last], after)
-                        + Interval::exactly(self.lit(edges))
+            _ => {
+                let refresh = stages.refresh;
+                let after = |at| self.after_flip_at(at, refresh, edges);
+                match stages.torn(&[edges.first, edges.last], after) {
+                    Some(way) => way + Interval::exactly(self.lit(edges)),
+                    None => to_panel + self.after_flip(refresh, edges),
                 }
-                _ => to_panel + self.after_flip(stages.refresh, edges),
-            },
+            }
         }
     }
 

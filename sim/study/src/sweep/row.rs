@@ -162,6 +162,12 @@ impl SweepRow {
         let full = full_work(self.display_samples, self.display.eyes.len());
         let works = [self.work_staggered(), self.work()];
         let gigabits = |samples| Some(link.gigabits(samples, self.display.refresh?));
+        let energy = |work: &FrameWork| {
+            let sent = link.frame_gigabits(work.samples);
+            Some(cost.energy?.frame_mj(work, sent))
+        };
+        let [energy_mj, full_energy_mj] = [energy(&works[0]), energy(&full)];
+        let power = |mj: Option<f64>| Some(mj? * 1e-3 * self.display.refresh?.hz());
         Needs {
             frame_ms: ms(&works[0]),
             frame_all_ms: ms(&works[1]),
@@ -170,6 +176,10 @@ impl SweepRow {
             framebuffer_mb: buffers.megabytes(self.method_samples, self.resolved()),
             link_gbps: gigabits(self.method_samples_staggered),
             full_link_gbps: gigabits(self.display_samples),
+            energy_mj,
+            full_energy_mj,
+            power_w: power(energy_mj),
+            full_power_w: power(full_energy_mj),
         }
     }
 
@@ -276,6 +286,10 @@ impl SweepRow {
             needs.framebuffer_mb.into(),
             needs.link_gbps.into(),
             needs.full_link_gbps.into(),
+            needs.energy_mj.into(),
+            needs.full_energy_mj.into(),
+            needs.power_w.into(),
+            needs.full_power_w.into(),
         ]
     }
 }
@@ -292,8 +306,9 @@ impl SweepRow {
 /// lie, and which may need fewer than the ideal because they promise no quality. From `refresh_hz` on:
 /// what the sweep's [`Terms`] make of it. `frame_ms` has each pass at its own cadence, `frame_all_ms` every
 /// pass; `beyond_fit` names the work that the cost profile does not rest on; framebuffers are of all passes
-/// and of the image put together from them, and the link carries samples as they are drawn.
-pub const COLUMNS: [&str; 46] = [
+/// and of the image put together from them, and the link carries samples as they are drawn. Energy and power are of
+/// frames as `frame_ms` has them, and empty where the cost profile states none.
+pub const COLUMNS: [&str; 50] = [
     "method",
     "fov_h_deg",
     "width_px",
@@ -340,7 +355,33 @@ pub const COLUMNS: [&str; 46] = [
     "framebuffer_mb",
     "link_gbps",
     "full_link_gbps",
+    "energy_mj",
+    "full_energy_mj",
+    "power_w",
+    "full_power_w",
 ];
+
+/// Columns of [`SweepRow::table`] that hold text.
+pub const TEXT_COLUMNS: [&str; 14] = [
+    "method",
+    "display",
+    "gaze_mode",
+    "gaze_within_margin",
+    "coverage",
+    "blending",
+    "layer_radii_deg",
+    "layer_scales",
+    "layer_drawn",
+    "layer_rates_hz",
+    "extrapolated",
+    "cost_profile",
+    "fits_refresh",
+    "beyond_fit",
+];
+
+/// Columns of [`SweepRow::table`] that hold whole numbers in every row. What is neither here nor among
+/// [`TEXT_COLUMNS`] is a number, whole or not.
+pub const WHOLE_COLUMNS: [&str; 3] = ["eyes", "plan_samples", "plan_shadings"];
 
 fn yes(is: bool) -> Cell {
     if is { "yes" } else { "no" }.into()

@@ -68,28 +68,50 @@ pub enum Target {
     Speedup(f64),
     /// Frames of at most so long on average \[ms\], written `11ms`, or `90hz` for a refresh of so many a second.
     FrameMs(f64),
+    /// Frames of at most so much energy on average \[mJ\], written `12mJ`.
+    EnergyMj(f64),
+    /// At most so much power, a frame at each refresh \[W\], written `1.5W`.
+    PowerW(f64),
 }
 
 impl Target {
     /// What a row has of it.
-    fn of(self, row: &SweepRow) -> f64 {
+    ///
+    /// # Errors
+    /// If its cost profile states no energy, or its display no refresh rate, and that is what is asked.
+    fn of(self, row: &SweepRow) -> Result<f64, ModelError> {
         let needs = row.needs();
+        let known = |value: Option<f64>, valid: &str| {
+            value.ok_or_else(|| ModelError::range("target", self, valid))
+        };
+        let energy = known(
+            needs.energy_mj,
+            "a speedup or a frame time: the cost profile has no [energy]",
+        );
         match self {
-            Self::Speedup(_) => needs.speedup(),
-            Self::FrameMs(_) => needs.frame_ms,
+            Self::Speedup(_) => Ok(needs.speedup()),
+            Self::FrameMs(_) => Ok(needs.frame_ms),
+            Self::EnergyMj(_) => energy,
+            Self::PowerW(_) => {
+                energy?;
+                let valid = "an energy, as in 12mJ: the display has no refresh rate (--refresh)";
+                known(needs.power_w, valid)
+            }
         }
     }
 
     fn value(self) -> f64 {
         match self {
-            Self::Speedup(v) | Self::FrameMs(v) => v,
+            Self::Speedup(v) | Self::FrameMs(v) | Self::EnergyMj(v) | Self::PowerW(v) => v,
         }
     }
 
     fn is_met(self, value: f64) -> bool {
         match self {
             Self::Speedup(wanted) => value >= wanted,
-            Self::FrameMs(wanted) => value <= wanted,
+            Self::FrameMs(wanted) | Self::EnergyMj(wanted) | Self::PowerW(wanted) => {
+                value <= wanted
+            }
         }
     }
 }
@@ -105,9 +127,11 @@ impl FromStr for Target {
         let hz = |hz: f64| Self::FrameMs(1000.0 / hz);
         let found = (number("ms").map(Self::FrameMs))
             .or(number("hz").or(number("Hz")).map(hz))
+            .or(number("mJ").or(number("mj")).map(Self::EnergyMj))
+            .or(number("W").or(number("w")).map(Self::PowerW))
             .or(number("x").map(Self::Speedup));
         found.ok_or_else(|| {
-            let valid = "a number above 0 with its unit: 5x, 11ms or 90hz";
+            let valid = "a number above 0 with its unit: 5x, 11ms, 90hz, 12mJ or 1.5W";
             ModelError::range("target", text, valid)
         })
     }
@@ -118,6 +142,8 @@ impl fmt::Display for Target {
         match self {
             Self::Speedup(v) => write!(f, "{v}x"),
             Self::FrameMs(v) => write!(f, "{v}ms"),
+            Self::EnergyMj(v) => write!(f, "{v}mJ"),
+            Self::PowerW(v) => write!(f, "{v}W"),
         }
     }
 }
@@ -196,8 +222,9 @@ impl Solve {
                 valid,
             ));
         }
-        if self.unknown == Unknown::Gpu && matches!(self.target, Target::Speedup(_)) {
-            let valid = "a frame time, as in 11ms or 90hz: a faster machine draws full resolution faster, too";
+        if self.unknown == Unknown::Gpu && !matches!(self.target, Target::FrameMs(_)) {
+            let valid = "a frame time, as in 11ms or 90hz: a faster machine draws full resolution faster, too, \
+                         and what it takes of energy is another matter";
             return Err(ModelError::range("target", self.target, valid));
         }
         if self.unknown == Unknown::PixelsPerDegree
@@ -286,13 +313,16 @@ impl Solve {
         [from, to]: [f64; 2],
         at: impl Fn(f64) -> Result<SweepRow, ModelError>,
     ) -> Result<Solution, ModelError> {
-        let met = |row: &SweepRow| self.target.is_met(self.target.of(row));
+        let met = |row: &SweepRow| Ok::<_, ModelError>(self.target.is_met(self.target.of(row)?));
         let (first, last) = (at(from)?, at(to)?);
-        let distance = |row: &SweepRow| (self.target.of(row) - self.target.value()).abs();
-        let (value, row, outcome) = match (met(&first), met(&last)) {
+        let distance = |row: &SweepRow| {
+            let there = self.target.of(row)?;
+            Ok::<_, ModelError>((there - self.target.value()).abs())
+        };
+        let (value, row, outcome) = match (met(&first)?, met(&last)?) {
             (true, true) => (to, last, Outcome::Always),
             (false, false) => {
-                let nearer = distance(&first) <= distance(&last);
+                let nearer = distance(&first)? <= distance(&last)?;
                 let (value, row) = if nearer { (from, first) } else { (to, last) };
                 (value, row, Outcome::Never)
             }
@@ -300,7 +330,7 @@ impl Solve {
                 let (mut good, mut bad) = if first_meets { (from, to) } else { (to, from) };
                 for _ in 0..HALVINGS {
                     let middle = good + (bad - good) / 2.0;
-                    match met(&at(middle)?) {
+                    match met(&at(middle)?)? {
                         true => good = middle,
                         false => bad = middle,
                     }
@@ -351,7 +381,7 @@ impl Solve {
                 Cell::Float(*value),
                 self.unknown.unit().into(),
                 self.target.to_string().into(),
-                self.target.of(row).into(),
+                self.target.of(row).ok().into(),
                 outcome.name().into(),
                 row.margin_deg.into(),
                 needs.frame_ms.into(),
@@ -384,12 +414,19 @@ impl Terms {
 
 #[cfg(test)]
 mod tests {
-    use foveasim_models::{Acuity, GazeMode};
+    use foveasim_models::{Acuity, EnergyProfile, GazeMode, Rate};
 
     use super::super::GazeAt;
     use super::*;
 
     fn sweep(methods: &str, display: SweepDisplay) -> Sweep {
+        let mut terms = Terms::default();
+        terms.cost.energy = Some(EnergyProfile {
+            fixed_mj: 2.0,
+            per_sample_nj: 10.0,
+            per_gbit_mj: 5.0,
+            ..EnergyProfile::default()
+        });
         Sweep {
             displays: vec![display],
             acuities: vec![Acuity::default()],
@@ -397,12 +434,13 @@ mod tests {
             gaze_mode: GazeMode::Tracked,
             margins_deg: vec![0.5],
             methods: Method::parse_list(methods).unwrap(),
-            terms: Arc::default(),
+            terms: Arc::new(terms),
         }
     }
 
     fn planar() -> SweepDisplay {
-        Resolution::Sharpness(0.4).display(90.0, 0.6).unwrap()
+        let display = Resolution::Sharpness(0.4).display(90.0, 0.6).unwrap();
+        display.at(Rate::from_hz("refresh", 72.0).unwrap())
     }
 
     fn solve(unknown: &str, target: &str, methods: &str) -> Vec<Solution> {
@@ -426,6 +464,8 @@ mod tests {
             ("ppd", "100hz"),
             ("ppd", "4x"),
             ("gpu", "90hz"),
+            ("accuracy", "30mJ"),
+            ("ppd", "2W"),
         ] {
             let mut met = 0;
             for found in solve(
@@ -449,7 +489,7 @@ mod tests {
                     "gpu" => back.terms = Arc::new(back.terms.faster(found.value)),
                     _ => {}
                 }
-                let there = wanted.of(&back.rows(0).unwrap()[0]);
+                let there = wanted.of(&back.rows(0).unwrap()[0]).unwrap();
                 assert!(
                     (there / wanted.value() - 1.0).abs() <= 1e-3,
                     "{unknown} {target} {}: {there}",
@@ -482,7 +522,23 @@ mod tests {
         assert!(ask("gpu", "5x", planar()));
         let preset = foveasim_models::presets::display("quest-pro").unwrap();
         assert!(ask("ppd", "90hz", SweepDisplay::from(&preset)));
-        for bad in ["", "5", "x", "-1x", "nanx", "0ms", "5 kg"] {
+        // A faster machine is no more frugal; what is not stated cannot be met.
+        assert!(ask("gpu", "12mJ", planar()));
+        let mut unknown = sweep("layers:3", planar());
+        unknown.terms = Arc::default();
+        let silent = Solve {
+            unknown: Unknown::Accuracy,
+            target: "12mJ".parse().unwrap(),
+            eye_deg_per_s: 40.0,
+        };
+        let error = silent.run(&unknown).unwrap_err().to_string();
+        assert!(error.contains("no [energy]"), "{error}");
+        let mut dark = sweep("layers:3", planar());
+        dark.displays[0].refresh = None;
+        let target = "1.5W".parse().unwrap();
+        let error = Solve { target, ..silent }.run(&dark).unwrap_err();
+        assert!(error.to_string().contains("no refresh rate"), "{error}");
+        for bad in ["", "5", "x", "5J", "-3mJ", "-1x", "nanx", "0ms", "5 kg"] {
             assert!(bad.parse::<Target>().is_err(), "{bad}");
         }
     }

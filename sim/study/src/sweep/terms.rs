@@ -84,6 +84,11 @@ impl Buffers {
 }
 
 impl Link {
+    /// Gigabits (10⁹) of so many samples, as compressed.
+    pub fn frame_gigabits(&self, samples: f64) -> f64 {
+        samples * self.bits_per_pixel / self.compression / 1e9
+    }
+
     /// Gigabits (10⁹) a second while the link is active, of so many samples in each refresh.
     pub fn gigabits(&self, samples: f64, refresh: Rate) -> f64 {
         samples * self.bits_per_pixel * refresh.hz()
@@ -141,6 +146,15 @@ pub struct Needs {
     pub link_gbps: Option<f64>,
     /// The same of a frame with a sample for each pixel.
     pub full_link_gbps: Option<f64>,
+    /// What a frame takes of energy, each pass at its own cadence, and its samples on the link \[mJ\]; `None` where the
+    /// cost profile does not say.
+    pub energy_mj: Option<f64>,
+    /// The same of a frame with a sample for each pixel.
+    pub full_energy_mj: Option<f64>,
+    /// That of a frame at each refresh \[W\]; `None` without a refresh rate.
+    pub power_w: Option<f64>,
+    /// The same of frames with a sample for each pixel.
+    pub full_power_w: Option<f64>,
 }
 
 impl Needs {

@@ -318,3 +318,75 @@ pub(super) fn chains() -> Vec<(&'static str, Chain)> {
         ),
     ]
 }
+
+/// Hosts with the display's clock and frames in flight, some of them late and some not: they start at ticks, or
+/// when those before them end.
+pub(super) fn crowded() -> Vec<(&'static str, Chain)> {
+    use SyncMode::{Tearing, VsyncFree};
+    let crowded = |n: u32, render: &'static str, after: f64, hz: f64| {
+        move |c: &mut Chain| {
+            c.host_rate = Rate::from_hz("f", hz).unwrap();
+            c.runtime.host_lock = Some(Nanos::from_ms(after));
+            c.runtime.in_flight = n;
+            c.render = render.parse().unwrap();
+        }
+    };
+    let warped = |c: &mut Chain, missed: Missed| {
+        (c.runtime.lead, c.runtime.warp) = (Nanos(3 * MS), Some(Nanos(2 * MS)));
+        c.runtime.missed = missed;
+    };
+    vec![
+        (
+            "free, locked, 2 in flight, uneven and late",
+            chain(VsyncFree, crowded(2, "uniform:8..14", 3.0, 100.0)),
+        ),
+        (
+            "free, locked, 3 in flight, uneven and late",
+            chain(VsyncFree, crowded(3, "uniform:7..13", 3.0, 100.0)),
+        ),
+        (
+            "free, locked at 80 Hz, 2 in flight, uneven and late, with a lead and a warp",
+            chain(VsyncFree, |c| {
+                warped(c, Missed::Repeat);
+                crowded(2, "uniform:9..17", 3.0, 80.0)(c);
+            }),
+        ),
+        (
+            "free, locked at 125 Hz, 3 in flight, uneven and late, reprojected",
+            chain(VsyncFree, |c| {
+                warped(c, Missed::Reproject);
+                crowded(3, "uniform:6..11", 1.0, 125.0)(c);
+            }),
+        ),
+        (
+            "free, locked, 2 in flight, uneven and late, with late latches",
+            chain(VsyncFree, |c| {
+                crowded(2, "uniform:8..14", 3.0, 100.0)(c);
+                (c.runtime.gaze_latch, c.runtime.pose_latch) = (Nanos(5 * MS), Nanos(7 * MS));
+            }),
+        ),
+        (
+            "tearing, locked, 2 in flight, uneven and late",
+            chain(Tearing, crowded(2, "uniform:8..14", 3.0, 100.0)),
+        ),
+        (
+            "tearing, locked, 3 in flight, uneven and late",
+            chain(Tearing, crowded(3, "uniform:8..13", 3.0, 100.0)),
+        ),
+        (
+            "tearing, locked, 2 in flight, rarely late",
+            chain(Tearing, crowded(2, "uniform:9..10.5", 3.0, 100.0)),
+        ),
+        (
+            "tearing, locked at 80 Hz, 2 in flight, uneven and late",
+            chain(Tearing, crowded(2, "uniform:9..17", 3.0, 80.0)),
+        ),
+        (
+            "tearing, locked, 2 in flight, uneven and late, global",
+            chain(Tearing, |c| {
+                crowded(2, "uniform:8..14", 3.3, 100.0)(c);
+                c.display.response.emission = Emission::Global;
+            }),
+        ),
+    ]
+}

@@ -1,4 +1,4 @@
-use foveasim_models::foveation::{Method, Request};
+use foveasim_models::foveation::{Method, PlanCache, Request};
 
 use super::Sweep;
 
@@ -8,7 +8,8 @@ impl Sweep {
     /// # Panics
     /// If there is no such group.
     pub(crate) fn request(&self, group: usize, method: Method) -> Option<Request> {
-        let situation = self.situation(group);
+        let cache = PlanCache::default();
+        let situation = self.situation(group, &cache);
         let eye = &situation.display.eyes[0];
         Some(Request {
             eye: eye.eye,
@@ -22,7 +23,8 @@ impl Sweep {
 
     /// Name and horizontal field of view \[deg\] of a group's display.
     pub(crate) fn named(&self, group: usize) -> (&str, f64) {
-        let display = self.situation(group).display;
+        let of_display = self.margins_deg.len() * self.gazes.len() * self.acuities.len();
+        let display = &self.displays[group / of_display];
         (&display.name, display.fov_h_deg)
     }
 }

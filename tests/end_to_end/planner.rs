@@ -246,7 +246,7 @@ fn what_is_solved_for_meets_its_target_when_put_back() {
             ["--solve", "gpu", "--target", "5x"],
             "draws full resolution faster, too",
         ),
-        (["--solve", "ppd", "--target", "5"], "5x, 11ms or 90hz"),
+        (["--solve", "ppd", "--target", "5"], "5x, 11ms, 90hz"),
     ] {
         let mut all = base.to_vec();
         all.extend(words);

@@ -77,6 +77,17 @@ impl CellMask {
         self.live[(place.y * cells(self.lattice, self.cell).x + place.x) as usize]
     }
 
+    /// Which cells are live of those that hold samples of row `y`, from left to right.
+    ///
+    /// # Panics
+    /// If the lattice has no such row.
+    pub fn row(&self, y: u32) -> &[bool] {
+        assert!(y < self.lattice.y, "no row {y}");
+        let across = cells(self.lattice, self.cell).x as usize;
+        let first = (y / self.cell.y) as usize * across;
+        &self.live[first..first + across]
+    }
+
     /// How many samples are live.
     pub fn samples(&self) -> u64 {
         let across = cells(self.lattice, self.cell).x as usize;
@@ -109,6 +120,8 @@ mod tests {
             .count();
         assert_eq!(mask.samples(), live as u64);
         assert!(mask.is_live(UVec2::new(9, 6)) && !mask.is_live(UVec2::new(4, 0)));
+        assert_eq!(mask.row(2), [true, false, true]);
+        assert_eq!(mask.row(3), [false, true, false]);
         assert_eq!(CellMask::new(UVec2::ZERO, lattice, |_| true).samples(), 0);
     }
 }

@@ -1,3 +1,5 @@
+use std::ops::Range;
+
 use foveasim_models::{Affine, CellMask, Image, Map, Pass, Region, SamplePlan, Work};
 use glam::UVec2;
 use rayon::prelude::*;
@@ -55,8 +57,9 @@ pub(crate) fn uncovered(plan: &SamplePlan) -> Option<UVec2> {
         had.fill(false);
         for part in &parts {
             let Some(v) = part.beside(1, y) else { continue };
-            for (had, h) in had.iter_mut().zip(&part.columns) {
-                *had |= h.is_some_and(|h| part.is_live(h.owner, v.owner));
+            let pixels = had.iter_mut().skip(part.first_px as usize);
+            for (had, h) in pixels.zip(&part.columns) {
+                *had |= part.is_live(h.owner, v.owner);
             }
         }
         if let Some(x) = had.iter().position(|had| !had) {
@@ -83,8 +86,10 @@ struct Part<'a> {
     map: Affine,
     live: Option<&'a CellMask>,
     image: &'a Image,
-    /// For each pixel of a row.
-    columns: Vec<Option<Beside>>,
+    /// The first pixel of a row that the lattice reaches.
+    first_px: u32,
+    /// For it and those after it that the lattice reaches.
+    columns: Vec<Beside>,
 }
 
 impl<'a> Part<'a> {
@@ -101,9 +106,13 @@ impl<'a> Part<'a> {
             map,
             live,
             image,
+            first_px: 0,
             columns: Vec::new(),
         };
-        part.columns = (0..width).map(|x| part.beside(0, x)).collect();
+        let first = (0..width).find(|&x| part.beside(0, x).is_some());
+        part.first_px = first.unwrap_or(width);
+        let reached = (part.first_px..width).map_while(|x| part.beside(0, x));
+        part.columns = reached.collect();
         part
     }
 
@@ -131,35 +140,72 @@ impl<'a> Part<'a> {
     /// Writes the pixels of row `y` that this pass is live at; how many samples were read.
     fn fill(&self, y: u32, row: &mut [[f32; 3]]) -> u64 {
         let Some(v) = self.beside(1, y) else { return 0 };
-        let (mut fetches, mut asked) = (0, None);
-        for (out, column) in row.iter_mut().zip(&self.columns) {
-            let Some(h) = column else { continue };
-            // Pixels of one sample lie side by side: what holds of it is asked once.
-            let live = match asked {
-                Some((owner, live)) if owner == h.owner => live,
-                _ => self.is_live(h.owner, v.owner),
-            };
-            asked = Some((h.owner, live));
-            if !live {
-                continue;
+        let Some(mask) = self.live else {
+            return self.fill_run(&v, 0..self.size.x, [true; 2], row);
+        };
+        let across = mask.cell().x;
+        let beside = [v.low, v.high].map(|y| mask.row(y));
+        let mut end = 0;
+        let runs = mask.row(v.owner).chunk_by(|a, b| a == b);
+        runs.map(|run| {
+            let cells = end..end + run.len();
+            end = cells.end;
+            if !run[0] {
+                return 0;
             }
-            let owner = self.image.at(h.owner, v.owner);
-            let exact = h.share == 0.0 && v.share == 0.0;
-            if exact {
+            let whole = beside.map(|row| row[cells.clone()].iter().all(|live| *live));
+            let [from, to] = [cells.start, cells.end].map(|c| (c as u32 * across).min(self.size.x));
+            self.fill_run(&v, from..to, whole, row)
+        })
+        .sum()
+    }
+
+    /// Writes the pixels that a run of live `samples` owns. Whether the same samples of the nearest rows are live as
+    /// a `whole`: what is known then need not be asked for each.
+    fn fill_run(
+        &self,
+        v: &Beside,
+        samples: Range<u32>,
+        whole: [bool; 2],
+        row: &mut [[f32; 3]],
+    ) -> u64 {
+        // Owners do not fall from pixel to pixel.
+        let place = |sample: u32| self.columns.partition_point(|h| h.owner < sample);
+        let pixels = place(samples.start)..place(samples.end);
+        let line = |y: u32| {
+            let first = y as usize * self.size.x as usize;
+            &self.image.rgb[first..first + self.size.x as usize]
+        };
+        let [own, upper, lower] = [v.owner, v.low, v.high].map(line);
+        let mut fetches = 0;
+        let columns = self.columns[pixels.clone()].iter();
+        let first = self.first_px as usize;
+        for (out, h) in row[first + pixels.start..first + pixels.end]
+            .iter_mut()
+            .zip(columns)
+        {
+            let owner = own[h.owner as usize];
+            if h.share == 0.0 && v.share == 0.0 {
                 fetches += 1;
                 *out = owner;
                 continue;
             }
             fetches += 4;
-            let tap = |x, y| {
-                if self.is_live(x, y) {
-                    self.image.at(x, y)
+            let tap = |line: &[[f32; 3]], x: u32, y: u32, whole: bool| {
+                if (whole && samples.contains(&x)) || self.is_live(x, y) {
+                    line[x as usize]
                 } else {
                     owner
                 }
             };
-            let (a, b) = (tap(h.low, v.low), tap(h.high, v.low));
-            let (c, d) = (tap(h.low, v.high), tap(h.high, v.high));
+            let (a, b) = (
+                tap(upper, h.low, v.low, whole[0]),
+                tap(upper, h.high, v.low, whole[0]),
+            );
+            let (c, d) = (
+                tap(lower, h.low, v.high, whole[1]),
+                tap(lower, h.high, v.high, whole[1]),
+            );
             *out = std::array::from_fn(|i| {
                 let upper = a[i] + h.share * (b[i] - a[i]);
                 let lower = c[i] + h.share * (d[i] - c[i]);
@@ -167,5 +213,83 @@ impl<'a> Part<'a> {
             });
         }
         fetches
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use foveasim_models::foveation::{Method, Request};
+    use foveasim_models::{Acuity, Eye, GazeDirection, Role, Stream, Viewport};
+
+    use super::*;
+
+    /// As [`mosaic`], each pixel by itself.
+    fn pixel_by_pixel(plan: &SamplePlan, passes: &[Image]) -> (Vec<[f32; 3]>, u64) {
+        let size = plan.display_px;
+        let (mut rgb, mut fetches) = (Vec::new(), 0);
+        for (x, y) in (0..size.y).flat_map(|y| (0..size.x).map(move |x| (x, y))) {
+            let mut pixel = [f32::NAN; 3];
+            for (pass, image) in plan.passes.iter().zip(passes).rev() {
+                let part = Part::new(pass, image, size.x);
+                let (Some(h), Some(v)) = (part.beside(0, x), part.beside(1, y)) else {
+                    continue;
+                };
+                if !part.is_live(h.owner, v.owner) {
+                    continue;
+                }
+                let owner = image.at(h.owner, v.owner);
+                if h.share == 0.0 && v.share == 0.0 {
+                    (pixel, fetches) = (owner, fetches + 1);
+                    continue;
+                }
+                fetches += 4;
+                let tap = |x, y| match part.is_live(x, y) {
+                    true => image.at(x, y),
+                    false => owner,
+                };
+                let between = |a: f32, b: f32, share: f32| a + share * (b - a);
+                pixel = std::array::from_fn(|i| {
+                    let row = |y| between(tap(h.low, y)[i], tap(h.high, y)[i], h.share);
+                    between(row(v.low), row(v.high), v.share)
+                });
+            }
+            rgb.push(pixel);
+        }
+        (rgb, fetches)
+    }
+
+    #[test]
+    fn runs_of_pixels_are_what_each_pixel_by_itself_is() {
+        let viewport = Viewport::symmetric(UVec2::new(93, 61), 1.0).unwrap();
+        for (method, gaze) in [
+            ("fdm", 0.0),
+            ("fdm:tile=8", 0.3),
+            ("rates", -0.2),
+            ("quad", 0.1),
+        ] {
+            let gaze = GazeDirection::from_vector([gaze, 0.5 * gaze, -1.0].into());
+            let request = Request {
+                eye: Eye::Cyclopean,
+                viewport,
+                acuity: Acuity::default(),
+                gaze,
+                ahead: GazeDirection::AHEAD,
+                margin_deg: 0.0,
+            };
+            let plan = method.parse::<Method>().unwrap().plan(&request).unwrap();
+            let mut stream = Stream::new(7, Role::Population, 0);
+            let mut noise = |pass: &Pass| {
+                let mut image = Image::filled(grid(pass), [0.0; 3]);
+                image
+                    .rgb
+                    .fill_with(|| [(); 3].map(|()| stream.uniform() as f32));
+                image
+            };
+            let images: Vec<Image> = plan.passes.iter().map(&mut noise).collect();
+            let (found, work) = mosaic(&plan, &images, Image::filled(plan.display_px, [0.0; 3]));
+            let (expected, fetches) = pixel_by_pixel(&plan, &images);
+            assert!(found.rgb == expected, "{method}");
+            assert_eq!(work.resolve_fetches, fetches, "{method}");
+        }
     }
 }

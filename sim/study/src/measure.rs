@@ -41,6 +41,24 @@ pub struct JobFrame<'a> {
     pub plan: SamplePlan,
 }
 
+/// A job drawn between others, to see how fast the machine is just then.
+#[derive(Debug, Clone)]
+pub struct Pace<'a> {
+    job: Job<'a>,
+    /// Its median time when it was first measured \[ms\].
+    usual_ms: Option<f64>,
+}
+
+impl<'a> Pace<'a> {
+    /// That of a `job`, not measured yet.
+    pub fn new(job: Job<'a>) -> Self {
+        Self {
+            job,
+            usual_ms: None,
+        }
+    }
+}
+
 /// What drawing a [`Job`] took.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Measured {
@@ -95,8 +113,9 @@ impl<'a> Job<'a> {
 /// disturbs all alike. `done` hears of every job of every round.
 ///
 /// With a job to set the `pace`, that is drawn before and after each of the others, and times are given at its
-/// usual pace: as shares of the two draws beside them, times the median of all its draws. A machine that others use
-/// runs now faster, now slower, for longer than a frame; what is left then differs by half as much.
+/// usual pace: as shares of the two draws beside them, times the median of all its draws when it was first measured. A
+/// machine that others use runs now faster, now slower, for longer than a frame, and between one measurement and the
+/// next; what is left then differs by half as much.
 ///
 /// Frames are drawn on rayon's current pool. Processor time is best taken on a pool of one thread: nothing then waits
 /// for another.
@@ -105,13 +124,14 @@ impl<'a> Job<'a> {
 /// The first of drawing.
 pub fn measure(
     jobs: &[Job<'_>],
-    pace: Option<&Job<'_>>,
+    mut pace: Option<&mut Pace<'_>>,
     rounds: u32,
     clock: &mut Clock<'_>,
     done: &mut dyn FnMut(),
 ) -> Result<Vec<Measured>, RenderError> {
     let mut found = vec![Measured::default(); jobs.len()];
-    let beat = |clock: &mut Clock<'_>| match pace {
+    let pacing = pace.as_ref().map(|pace| pace.job.clone());
+    let beat = |clock: &mut Clock<'_>| match &pacing {
         Some(job) => Ok(mean(&job.draw(clock)?.1)),
         None => Ok::<f64, RenderError>(1.0),
     };
@@ -129,7 +149,11 @@ pub fn measure(
             done();
         }
     }
-    let usual = median(beats);
+    let now = median(beats);
+    let usual = match &mut pace {
+        Some(pace) => *pace.usual_ms.get_or_insert(now),
+        None => now,
+    };
     for ms in found.iter_mut().flat_map(|m| &mut m.times_ms).flatten() {
         *ms *= usual;
     }
@@ -213,9 +237,13 @@ mod tests {
             Duration::from_secs_f64(now)
         };
         let jobs = [job.clone(), job.clone()];
-        let found = measure(&jobs, Some(&job), 2, &mut clock, &mut || ()).unwrap();
+        let mut pace = Pace::new(job);
+        let found = measure(&jobs, Some(&mut pace), 2, &mut clock, &mut || ()).unwrap();
         assert_eq!(found[0].times_ms, found[1].times_ms);
         assert_eq!(found[0].noise(), 0.0);
+        // … nor when it is measured again, all of it at half the speed.
+        let again = measure(&jobs, Some(&mut pace), 2, &mut clock, &mut || ()).unwrap();
+        assert_eq!(again[0].times_ms, found[0].times_ms);
     }
 
     #[test]

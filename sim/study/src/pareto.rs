@@ -21,7 +21,7 @@ use foveasim_models::{FrameWork, GazeDirection, Resolve, SamplePlan, View};
 use foveasim_quality::Rings;
 use foveasim_render::Frame;
 
-use crate::measure::{Clock, Job, JobFrame, Measured, measure};
+use crate::measure::{Clock, Job, JobFrame, Measured, Pace, measure};
 use crate::{Drawing, FrameError, Sight, Terms};
 
 /// Methods beside each other: what a frame takes, and how far it is from the reference.
@@ -185,7 +185,8 @@ impl Pareto<'_> {
             let again = methods.iter().chain([&Method::Full]);
             let jobs = again.map(|&method| self.job(clip, method));
             let jobs: Vec<Job<'_>> = jobs.collect::<Result<_, _>>()?;
-            let found = measure(&jobs, jobs.last(), rounds, clock, done)?;
+            let mut pace = jobs.last().cloned().map(Pace::new);
+            let found = measure(&jobs, pace.as_mut(), rounds, clock, done)?;
             let mut ms: Vec<f64> = found.iter().map(Measured::frame_ms).collect();
             let again = ms.pop().unwrap_or(f64::NAN);
             noise = noise.max((again / ms[0] - 1.0).abs());

@@ -21,7 +21,7 @@ use foveasim_models::{ModelError, Pose, SamplePlan, View, Viewport};
 use foveasim_render::RenderOptions;
 
 use crate::kernel::one_colour;
-use crate::measure::{Clock, Job, JobFrame, Measured, measure};
+use crate::measure::{Clock, Job, JobFrame, Measured, Pace, measure};
 use crate::{FrameError, Sweep};
 use choice::{Pick, spread};
 use probe::{Pictures, Probe};
@@ -105,13 +105,13 @@ impl Verify<'_> {
             .iter()
             .map(|s| one_colour(&s.scene).expect("the parts of a scene make one"))
             .collect();
-        let (probes, probe_ms) = self.probes(&picks, &bare, clock, progress)?;
+        let mut pace = Pace::new(self.pace()?);
+        let (probes, probe_ms) = self.probes(&picks, &bare, &mut pace, clock, progress)?;
         let cells = self.cells_of(&picks, &probes)?;
         let jobs: Vec<Job<'_>> = cells.iter().map(|c| c.job.clone()).collect();
         let mut done = 0.0;
         let all = jobs.len() as f64 * f64::from(self.rounds);
-        let pace = self.pace()?;
-        let measured = measure(&jobs, Some(&pace), self.rounds, clock, &mut || {
+        let measured = measure(&jobs, Some(&mut pace), self.rounds, clock, &mut || {
             done += 1.0;
             progress("drawing cells", 0.2 + 0.8 * done / all);
         })?;
@@ -239,12 +239,12 @@ impl Verify<'_> {
         &self,
         picks: &[Pick],
         bare: &[Scene],
+        pace: &mut Pace<'_>,
         clock: &mut Clock<'_>,
         progress: &dyn Fn(&str, f64),
     ) -> Result<(Vec<Probe>, f64), FrameError> {
         let mut found: BTreeMap<(usize, [u64; 10]), Probe> = BTreeMap::new();
         let (mut of_picks, mut took) = (Vec::new(), Vec::new());
-        let pace = self.pace()?;
         for (k, pick) in picks.iter().enumerate() {
             progress("probing scenes", 0.2 * k as f64 / picks.len() as f64);
             let key = self.probe_key(pick)?;
@@ -259,7 +259,7 @@ impl Verify<'_> {
             let (pictures, jobs) =
                 Pictures::new(scenes, &view.optics, view.poses[0], gaze, &options)?;
             debug_assert_eq!(jobs.len(), pictures.len());
-            let times = measure(&jobs, Some(&pace), PROBE_ROUNDS, clock, &mut || ())?;
+            let times = measure(&jobs, Some(&mut *pace), PROBE_ROUNDS, clock, &mut || ())?;
             took.push(times.iter().map(Measured::frame_ms).sum::<f64>());
             let probe = pictures.read(&times);
             of_picks.push(probe.clone());

@@ -1,4 +1,5 @@
 mod backlog;
+mod blanks;
 mod host;
 mod locked;
 mod meeting;

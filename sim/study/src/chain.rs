@@ -86,6 +86,11 @@ impl Chain {
         Interval::new(self.render.min(), self.render.max())
     }
 
+    /// Whether every frame takes longer than a host that runs freely has for one.
+    pub fn never_keeps_up(&self) -> bool {
+        self.sync != SyncMode::Vsync && self.render.min() > self.host_rate.period()
+    }
+
     /// What answers a movement of the head.
     pub fn head_movement(&self) -> Movement {
         Movement::Head {

@@ -264,6 +264,8 @@ impl LatencyStudy {
         let mut setup = Setup {
             seed,
             run,
+            // Frames that overrun by little would fill the queue for longer than runs can wait.
+            filled: self.chain.never_keeps_up(),
             ..self.chain.setup(cost, start.phases)
         };
         if let Some(lock) = setup.runtime.host_lock

@@ -27,7 +27,8 @@ pub enum Part {
     Slippage,
     /// Head samples reach the host at once.
     HeadDelay,
-    /// Frames render in no time.
+    /// Frames render in no time: each is finished once it has read its input, which it does as long after its start
+    /// as before.
     Render,
     /// Frames in flight wait for no earlier ones and are shown at once
     /// ([`Runtime::overlapped`](foveasim_pipeline::Runtime)). One frame in flight has no queue.
@@ -117,11 +118,11 @@ impl Chain {
             Part::Slippage => tracker.slippage_deg_per_sqrt_min = 0.0,
             Part::HeadDelay => self.head.delay = Nanos::ZERO,
             Part::Render => {
-                self.render = Durations::ZERO;
-                // There is nothing left to latch within, nor to set time aside for.
-                (runtime.gaze_latch, runtime.pose_latch) = (Nanos::ZERO, Nanos::ZERO);
+                // Input is read when it was; no frame is finished before.
+                let read = runtime.gaze_latch.max(runtime.pose_latch);
+                self.render = Durations::fixed(read);
                 if let FrameStart::JustInTime { reserve } = &mut runtime.start {
-                    *reserve = Nanos::ZERO;
+                    *reserve = read.min(*reserve);
                 }
             }
             Part::Queue => {

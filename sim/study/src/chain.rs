@@ -12,7 +12,7 @@ use foveasim_pipeline::{
 };
 
 pub use foveasim_pipeline::HeadSampling;
-pub use part::{PARTS, Part};
+pub use part::{Anomaly, PARTS, Part};
 pub use spec::{ChainSpec, DriftSpec, render_law};
 
 /// A valid chain: everything that latency depends on.

@@ -55,6 +55,18 @@ pub enum LatencyError {
         /// What would be valid.
         valid: String,
     },
+    /// The simulation and the bounds of one chain contradict each other: one of the two is wrong.
+    #[error(
+        "the simulation of {quantity} came to {found}, outside its bounds {bound} ms: one of the two is wrong"
+    )]
+    OutsideBounds {
+        /// As in tables.
+        quantity: &'static str,
+        /// From and to \[ms\].
+        found: String,
+        /// Likewise.
+        bound: String,
+    },
     /// Parts of the chain that do not fit each other.
     #[error(transparent)]
     Chain(#[from] ModelError),
@@ -298,7 +310,7 @@ impl LatencyStudy {
     /// numbers.
     ///
     /// # Errors
-    /// If `runs` is 0 or above [`MAX_RUNS`].
+    /// If `runs` is 0 or above [`MAX_RUNS`], or a run leaves its bounds.
     pub fn run(
         &self,
         runs: u64,
@@ -338,14 +350,16 @@ impl LatencyStudy {
                 partial
             })
             .reduce(empty, Partial::merge);
-        Ok(LatencyResult {
+        let result = LatencyResult {
             histograms,
             bounds,
             bound_kinds: frame.kinds.clone(),
             extremes: extremes
                 .map(|pair| pair.map(|run| run.expect("there was at least one run").sample)),
             events,
-        })
+        };
+        result.check()?;
+        Ok(result)
     }
 }
 

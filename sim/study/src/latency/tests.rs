@@ -6,6 +6,7 @@ use super::*;
 mod chains;
 mod guenter;
 mod properties;
+mod rounding;
 mod search;
 mod sensitivity;
 

@@ -40,6 +40,9 @@ pub(super) struct Host {
 /// What becomes of the queue of frames that take a refresh, less the part of a nanosecond, while a run lasts.
 const SHRINKS: Nanos = Nanos(256);
 
+/// Of frames in flight that take turns for longer than they are followed.
+const UNKNOWN_TURN: Nanos = Nanos(i64::MAX);
+
 /// How the frames of a host that runs freely follow each other.
 struct Turns {
     cycle: Nanos,
@@ -373,7 +376,7 @@ impl Host {
             whole_is: BoundKind::Outer,
             parts_are: BoundKind::Outer,
             settling: Nanos::ZERO,
-            turn: Nanos::ZERO,
+            turn: UNKNOWN_TURN,
         }
     }
 

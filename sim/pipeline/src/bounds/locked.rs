@@ -153,6 +153,13 @@ impl LockedFlip {
         Interval::new(low, high)
     }
 
+    /// Whether rounding decides if the beam passes one of `edges` before the shortest, or the longest, frame ends.
+    pub(super) fn is_open(&self, edges: &[Nanos]) -> bool {
+        let Interval { min, max } = self.render;
+        let mut ends = (0..self.places).flat_map(|place| [min, max].map(|t| self.beam(place, t)));
+        ends.any(|[down, up]| down < up && edges.contains(&down))
+    }
+
     /// From the flip until the beam reaches `row`.
     pub(super) fn wait(&self, refresh: Nanos, row: Nanos) -> Interval {
         let Interval { min, max } =

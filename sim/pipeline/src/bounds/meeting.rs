@@ -86,6 +86,15 @@ impl Torn {
         }
     }
 
+    /// Whether what happens is up to rounding where the beam may jump at `edges`.
+    pub(super) fn is_open(&self, edges: &[Nanos]) -> bool {
+        match self {
+            Self::Places(flip) => flip.is_open(edges),
+            // Frames of uneven times end on both sides.
+            Self::Backlog(_) => false,
+        }
+    }
+
     /// From the flip until the beam reaches `row`.
     pub(super) fn wait(&self, refresh: Nanos, row: Nanos) -> Interval {
         match self {

@@ -103,6 +103,10 @@ fn hosts_locked_between_nanoseconds() {
     let lock = |ms: f64| move |s: &mut ChainSpec| s.host_lock_ms = Some(ms);
     let tearing = chain(GUENTER, SyncMode::Tearing, None, lock(4.166_666_7));
     assert_bounds_are_met("tearing", &tearing);
+    // Whether the beam has just passed the row is up to how a blank is rounded.
+    let kinds = tearing.bound_kinds();
+    assert_eq!(kinds[Quantity::Gaze(Rows::Gaze).index()], BoundKind::Outer);
+    assert_eq!(kinds[Quantity::Gaze(Rows::Last).index()], BoundKind::Exact);
     let dk2 = chain(["dk2", "tx300"], SyncMode::Tearing, None, lock(11.0));
     assert_bounds_are_met("dk2", &dk2);
     let varjo = ["varjo-xr-4", "vive-pro-eye"];
@@ -179,4 +183,56 @@ fn input_is_read_as_late_without_rendering() {
         assert!(off <= on + 1e-3, "{off} {on}");
         assert!((never - off - latch).abs() < 0.15, "{never} {off}");
     }
+}
+
+/// A late latch leaves less of a frame to come, but the frame as long: it meets the beam anywhere.
+#[test]
+fn overrunning_frames_meet_the_beam_anywhere_however_late_they_read() {
+    let scan_wait = |latch: Option<f64>| {
+        let study = chain(
+            ["quest-3", "quest-pro"],
+            SyncMode::Tearing,
+            Some("15.266"),
+            |s| {
+                (s.host_lock_ms, s.gaze_latch_ms) = (Some(6.319_862), latch);
+            },
+        );
+        run(&study, 20_000)
+            .histogram(Quantity::Stage(Stage::ScanWait))
+            .mean_ms()
+    };
+    // Half a refresh at 90 Hz.
+    for latch in [None, Some(14.8)] {
+        assert!(
+            (scan_wait(latch) - 5.556).abs() < 0.1,
+            "{latch:?}: {}",
+            scan_wait(latch)
+        );
+    }
+}
+
+/// Frames in flight that take turns for longer than they are followed: runs begin anywhere in them, so that a lead
+/// less costs nothing.
+#[test]
+fn long_turns_are_seen_from_everywhere() {
+    let mean = |off: &'static str| {
+        let study = chain(
+            ["psvr2", "quest-pro"],
+            SyncMode::Vsync,
+            Some("15.807"),
+            |s| {
+                (s.lead_ms, s.frames_in_flight) = (Some(0.283_705), Some(2));
+                s.off = off.split_terminator(',').map(str::to_owned).collect();
+            },
+        );
+        run(&study, 4000)
+            .histogram(Quantity::Gaze(Rows::Gaze))
+            .mean_ms()
+    };
+    assert!(
+        mean("lead") <= mean("") + 0.3,
+        "{} {}",
+        mean("lead"),
+        mean("")
+    );
 }

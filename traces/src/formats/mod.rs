@@ -157,7 +157,7 @@ impl Format {
             _ => match options.scale {
                 Some(scale) if self != Self::EyeNavGs => {
                     let valid = format!(
-                        "absent: {file} is {}, in metres; scene units are those of {}",
+                        "absent: {file} is {}, which has no scene units; {} has",
                         self.name(),
                         Self::EyeNavGs.name()
                     );

@@ -106,7 +106,7 @@ impl Durations {
     /// # Errors
     /// Names the line and the value that is no duration, or says that there is no such column.
     pub fn from_csv(text: &str, origin: &str) -> Result<Self, ModelError> {
-        let mut column = None;
+        let (mut column, mut width) = (None, 0);
         let mut values = Vec::new();
         let lines = text.trim_start_matches('\u{feff}').lines().enumerate();
         for (number, line) in lines {
@@ -114,6 +114,7 @@ impl Durations {
             if line.is_empty() || line.starts_with('#') {
                 continue;
             }
+            let field = || format!("{origin}: line {}", number + 1);
             let cells: Vec<&str> = line
                 .split(',')
                 .map(|c| c.trim().trim_matches('"'))
@@ -129,18 +130,22 @@ impl Durations {
                     let Some(found) = found else {
                         let valid = "a header with a column that ends in `ms`, or one column alone";
                         let value = line.chars().take(60).collect::<String>();
-                        let field = format!("{origin}: line {}", number + 1);
-                        return Err(ModelError::range(field, value, valid));
+                        return Err(ModelError::range(field(), value, valid));
                     };
                     column = Some(found);
+                    width = cells.len();
                     if header {
                         continue;
                     }
                     found
                 }
             };
-            let value = cells.get(at).copied().unwrap_or_default();
-            let field = || format!("{origin}: line {}", number + 1);
+            if cells.len() != width {
+                let valid = format!("{width} fields, as in the first line");
+                let value = format!("{} fields", cells.len());
+                return Err(ModelError::range(field(), value, valid));
+            }
+            let value = cells[at];
             let ms = value.parse::<f64>().map_err(|_| {
                 ModelError::range(field(), format!("`{value}`"), "a duration in ms")
             })?;

@@ -92,6 +92,11 @@ pub(crate) fn in_range(
         Ok(value)
     } else {
         let valid = format!("a number from {} to {}", range.start(), range.end());
+        // What is far beyond has hundreds of digits.
+        let value = match value.abs() >= 1e15 {
+            true => format!("{value:e}"),
+            false => value.to_string(),
+        };
         Err(ModelError::range(field, value, valid))
     }
 }

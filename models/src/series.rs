@@ -1,6 +1,6 @@
 use thiserror::Error;
 
-use crate::{GazeDirection, ModelError, Nanos, Pose};
+use crate::{GazeDirection, ModelError, Nanos, Pose, Rate};
 
 /// One sample of a series; `None` where the device recorded that it had nothing.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -211,6 +211,8 @@ pub struct Recording {
     pub format: String,
     /// Gaze relative to the head.
     pub gaze: Option<GazeSeries>,
+    /// How often gaze was sampled, where the file says so.
+    pub gaze_rate: Option<Rate>,
     /// Head pose.
     pub pose: Option<PoseSeries>,
     /// What the reader had to repair, skip or assume; one sentence each, shown in reports.

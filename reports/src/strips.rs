@@ -50,11 +50,11 @@ impl Strips {
         let shown: Vec<usize> = (0..self.stages.len())
             .filter(|i| self.strips.iter().any(|s| s.lengths_ms[*i] > 0.0))
             .collect();
+        // By its place among all stages: the same in every picture, whatever others there are.
         let colour = |k: usize| theme::series(k).mix(if k < theme::COLOURS { 0.5 } else { 0.2 });
         let keys: Vec<Key> = shown
             .iter()
-            .enumerate()
-            .map(|(k, i)| Key::new(colour(k), Sample::Block, &self.stages[*i]))
+            .map(|i| Key::new(colour(*i), Sample::Block, &self.stages[*i]))
             .collect();
         let rows = Rows {
             names: self.strips.iter().map(|s| s.name.as_str()).collect(),
@@ -69,11 +69,11 @@ impl Strips {
                 let at = |ms: f64| place(chart.plotting_area(), (ms, row as f64));
                 let top = at(0.0)[1] + (ROW - BAR) / 2.0;
                 let mut from = 0.0;
-                for (k, i) in shown.iter().enumerate() {
+                for i in &shown {
                     let ms = strip.lengths_ms[*i];
                     let (left, right) = (at(from)[0], at(from + ms)[0]);
                     if ms > 0.0 {
-                        block(root, [left, top], [right, top + BAR], colour(k))?;
+                        block(root, [left, top], [right, top + BAR], colour(*i))?;
                         outline(root, [left, top], [right, top + BAR])?;
                     }
                     let number = format!("{ms:.1}");

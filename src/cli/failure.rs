@@ -1,5 +1,7 @@
 use std::process::ExitCode;
 
+use foveasim_study::{LatencyError, RunError};
+
 /// Why a command did not succeed.
 #[derive(Debug)]
 pub(crate) enum Failure {
@@ -39,6 +41,19 @@ impl Failure {
 
 impl<E: Into<anyhow::Error>> From<E> for Failure {
     fn from(error: E) -> Self {
-        Self::BadInput(error.into())
+        let error = error.into();
+        match contradicts(&error) {
+            true => Self::CheckFailed(format!("{error:#}")),
+            false => Self::BadInput(error),
+        }
     }
+}
+
+/// Whether a simulation contradicts its own bounds: no fault of the input.
+fn contradicts(error: &anyhow::Error) -> bool {
+    let latency = match error.downcast_ref::<RunError>() {
+        Some(RunError::Latency(latency)) => Some(latency),
+        _ => error.downcast_ref::<LatencyError>(),
+    };
+    matches!(latency, Some(LatencyError::OutsideBounds { .. }))
 }

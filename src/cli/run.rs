@@ -95,6 +95,11 @@ pub(crate) struct Args {
 pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
     let scenario = args.spec(ctx)?.resolve()?;
     if let Some(percent) = args.close_margin {
+        if !(percent > 0.0 && percent < 100.0) {
+            return Err(Failure::bad_input(format!(
+                "--close-margin = {percent}: must be above 0 and below 100, percent of the displayed frames"
+            )));
+        }
         return margin(&scenario, percent, ctx);
     }
     // An unwritable folder is found before the work, not after.

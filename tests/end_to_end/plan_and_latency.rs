@@ -308,9 +308,33 @@ fn the_rounded_numbers_of_fig_5() {
 }
 
 #[test]
+fn what_may_rise_without_a_part_is_told() {
+    let scratch = Scratch::new();
+    let said = |flags: &[&str]| {
+        let ran = scratch.run(&[&["latency", "--runs", "10"], flags].concat());
+        assert_eq!(ran.code, 0, "{flags:?}: {}", ran.err);
+        ran.err.contains("may be")
+    };
+    let locked = [
+        "--sync",
+        "vsync-free",
+        "--host-lock-ms",
+        "5",
+        "--render",
+        "uniform:4..14",
+    ];
+    assert!(said(&[&locked[..], &["--off", "render"]].concat()));
+    assert!(!said(&locked));
+    assert!(!said(&[&locked[..], &["--off", "exposure"]].concat()));
+    assert!(said(&["--warp-ms", "1", "--off", "lead"]));
+    assert!(!said(&["--off", "render,response"]));
+}
+
+#[test]
 fn what_does_not_fit_together_is_named() {
     let scratch = Scratch::new();
     scratch.write("bad.csv", "frame_ms\n8\n-1\n");
+    scratch.write("short.csv", "frame_ms,n\n8,1\n9\n");
     for (flags, part) in [
         (
             &["--sync", "tearing", "--lead-ms", "1"][..],
@@ -340,6 +364,19 @@ fn what_does_not_fit_together_is_named() {
         (&["--render", "csv:none.csv"], "none.csv"),
         (&["--head-hz", "0"], "head_hz = 0"),
         (&["--budget", "soon"], "want milliseconds"),
+        (&["--budget", "-1ms"], "want milliseconds"),
+        // What would be accepted, and ignored.
+        (&["--host-hz", "60"], "host_hz = 60"),
+        (&["--eye", "left"], "eye = left"),
+        (&["--gaze-row", "1080"], "gaze row = 1080"),
+        (
+            &["--render", "csv:short.csv"],
+            "short.csv: line 3 = 1 fields",
+        ),
+        (&["--reading", "figure", "--off", "render"], "--off"),
+        (&["--reading", "figure", "--sync", "tearing"], "--sync"),
+        (&["--reading", "figure", "--warp-ms", "2"], "--warp-ms"),
+        (&["--render", "1e300"], "1e300"),
     ] {
         let ran = scratch.run(&[&["latency", "--runs", "10"], flags].concat());
         assert_eq!(ran.code, 2, "{flags:?}: {}", ran.err);

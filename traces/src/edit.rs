@@ -90,6 +90,7 @@ pub fn decimate_gaze(
     }
     Ok(Recording {
         gaze: Some(resample(gaze, rate, max_gap)?),
+        gaze_rate: None,
         ..recording.clone()
     })
 }

@@ -1,5 +1,7 @@
 use foveasim_models::math::{mean, quantile_sorted, sqrt};
-use foveasim_models::{GazeDirection, Interpolate, Nanos, Pose, Provenance, Recording, Series};
+use foveasim_models::{
+    GazeDirection, Interpolate, Nanos, Pose, Provenance, Rate, Recording, Series,
+};
 
 /// What `trace info` says about a recording.
 #[derive(Debug, Clone, PartialEq)]
@@ -23,13 +25,14 @@ pub struct SeriesInfo {
     pub duplicates: usize,
     /// From the first sample to the last.
     pub duration: Nanos,
-    /// One over the median interval \[Hz\]; NaN for fewer than two samples, as all of these are.
+    /// As the file states it, else one over the median interval \[Hz\]; NaN for fewer than two samples, as all of
+    /// these are.
     pub rate_hz: f64,
     /// Quartile distance of the intervals \[ms\].
     pub interval_iqr_ms: f64,
     /// Standard deviation of the intervals that are not gaps \[ms\].
     pub interval_sd_ms: f64,
-    /// Intervals over three times the median.
+    /// Intervals over three times the usual one: that of the rate.
     pub gaps: usize,
     /// The longest interval.
     pub longest_gap: Nanos,
@@ -46,8 +49,11 @@ pub struct SeriesInfo {
 /// Describes a recording.
 pub fn info(recording: &Recording) -> TraceInfo {
     TraceInfo {
-        gaze: recording.gaze.as_ref().map(describe),
-        pose: recording.pose.as_ref().map(describe),
+        gaze: recording
+            .gaze
+            .as_ref()
+            .map(|gaze| describe(gaze, recording.gaze_rate)),
+        pose: recording.pose.as_ref().map(|pose| describe(pose, None)),
     }
 }
 
@@ -88,7 +94,8 @@ impl Described for Pose {
     }
 }
 
-fn describe<T: Described>(series: &Series<T>) -> SeriesInfo {
+/// Of samples taken at a `stated` rate, or else one that the median interval gives.
+fn describe<T: Described>(series: &Series<T>, stated: Option<Rate>) -> SeriesInfo {
     let samples = series.samples();
     let mut intervals: Vec<f64> = samples
         .windows(2)
@@ -97,15 +104,15 @@ fn describe<T: Described>(series: &Series<T>) -> SeriesInfo {
     let duplicates = intervals.iter().filter(|ms| **ms == 0.0).count();
     intervals.retain(|ms| *ms > 0.0);
     intervals.sort_by(f64::total_cmp);
-    let median = quantile_sorted(&intervals, 0.5);
-    let regular = intervals.partition_point(|ms| *ms <= 3.0 * median);
+    let usual = stated.map_or_else(|| quantile_sorted(&intervals, 0.5), |r| 1e3 / r.hz());
+    let regular = intervals.partition_point(|ms| *ms <= 3.0 * usual);
     SeriesInfo {
         provenance: series.provenance(),
         samples: samples.len(),
         missing: samples.iter().filter(|s| s.value.is_none()).count(),
         duplicates,
         duration: series.end() - series.start(),
-        rate_hz: 1e3 / median,
+        rate_hz: 1e3 / usual,
         interval_iqr_ms: quantile_sorted(&intervals, 0.75) - quantile_sorted(&intervals, 0.25),
         interval_sd_ms: deviation(&intervals[..regular]),
         gaps: intervals.len() - regular,

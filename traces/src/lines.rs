@@ -15,6 +15,8 @@ pub(crate) struct Lines<'n, R> {
     buffer: Vec<u8>,
     number: usize,
     complete: bool,
+    /// The last line that was not blank had no end.
+    cut: bool,
     again: bool,
 }
 
@@ -26,12 +28,20 @@ impl<'n, R: BufRead> Lines<'n, R> {
             buffer: Vec::new(),
             number: 0,
             complete: true,
+            cut: false,
             again: false,
         }
     }
 
     pub(crate) fn file(&self) -> &'n str {
         self.file
+    }
+
+    /// What is to be said of the text when all of it has been read: files of all known formats end with a line
+    /// feed.
+    pub(crate) fn note(&self) -> Option<String> {
+        let note = "the last line has no end: it may have been cut";
+        self.cut.then(|| note.to_owned())
     }
 
     /// Makes the next call of [`Lines::next`] return the present line again.
@@ -51,6 +61,7 @@ impl<'n, R: BufRead> Lines<'n, R> {
                 }
             }
         }
+        self.cut = !self.complete;
         let text = std::str::from_utf8(&self.buffer)
             .map_err(|_| self.not_text("it is not valid UTF-8"))?;
         Ok(Some(Line {

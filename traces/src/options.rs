@@ -5,7 +5,6 @@ use crate::TraceError;
 use crate::error::option_in;
 
 /// What a file does not say about itself; the defaults suit most files.
-/// What a file does not say about itself; the defaults suit most files.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ReadOptions {
     /// The screen on which gaze was recorded in pixels; what is absent is what the file says, or the

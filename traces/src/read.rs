@@ -84,6 +84,7 @@ pub fn read_labelled(
         mut recording,
         labels,
     } = head.format.parse(&head, &mut lines, options)?;
+    recording.notes.extend(lines.note());
     recording.source = name.to_owned();
     recording.format = head.format.name().to_owned();
     if let Some(provenance) = options.provenance {

@@ -54,7 +54,8 @@ impl StreamedRecording {
         while let Some(samples) = next_row(rows.as_mut(), &mut lines)? {
             session.take(&samples);
         }
-        let all = rows.finish(options)?;
+        let mut all = rows.finish(options)?;
+        all.notes.extend(lines.note());
         drop((rows, lines));
         // Of several sessions in one file only the end says which is read: those are gone through again.
         if !all.range.contains(&0) || all.range.end < session.rows {

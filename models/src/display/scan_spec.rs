@@ -197,6 +197,10 @@ impl ScanSpec {
     fn settle_ms(&self) -> Result<f64, ModelError> {
         let (curve, fraction) = (&self.response_curve, self.response_fraction);
         if curve.is_empty() {
+            if !is_ninety_percent(&fraction) {
+                let valid = "absent without a `response_curve`, which it is a fraction of";
+                return Err(ModelError::range("scan.response_fraction", fraction, valid));
+            }
             return Ok(self.response_ms);
         }
         let growing = curve

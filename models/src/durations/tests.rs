@@ -48,7 +48,7 @@ fn csv_with_and_without_a_header() {
         ("x_ms\n8\n\nfast\n", "line 4 = `fast`"),
         ("x_ms\n-1\n", "line 2 = -1"),
         ("x_ms\nNaN\n", "line 2 = NaN"),
-        ("i,x_ms\n3\n", "line 2 = ``"),
+        ("i,x_ms\n3\n", "line 2 = 1 fields"),
     ] {
         let error = of(text).unwrap_err().to_string();
         assert!(

@@ -1,4 +1,5 @@
 mod backlog;
+mod blanks;
 mod host;
 mod locked;
 mod meeting;
@@ -86,7 +87,8 @@ pub struct StageBounds {
     pub host_cycle: Nanos,
     /// From the start of the host until it does what it always will: what happens before is not bounded.
     pub settling: Nanos,
-    /// How long frames in flight take to come back to where they were, if they do so in turns; else 0.
+    /// How long frames in flight take to come back to where they were, if they do so in turns; else 0. The longest
+    /// time there is where that takes too long to find out.
     pub turn: Nanos,
     /// After how long host and display meet as they did.
     pub beat: Beat,
@@ -98,6 +100,7 @@ impl StageBounds {
     /// end of the shortest frame.
     pub fn new(setup: &Setup<'_>, render: Interval, row: Nanos, movement: Movement) -> Self {
         let refresh = longest(setup.scan.rate, 1);
+        let beat = Beat::of(setup, render);
         let meeting = Meeting::of(setup, render);
         let host = Host::new(setup, render, &meeting);
         let (runtime, lead) = (&setup.runtime, setup.runtime.lead);
@@ -177,7 +180,7 @@ impl StageBounds {
             host_cycle: host.cycle,
             settling: host.settling,
             turn: host.turn,
-            beat: Beat::of(setup, render),
+            beat,
         }
     }
 
@@ -186,15 +189,19 @@ impl StageBounds {
         match stage {
             // What does not vary is what it is.
             _ if self.get(stage).width() == Nanos::ZERO => BoundKind::Exact,
-            Stage::FrameWait | Stage::ScanWait => self.whole_is,
+            Stage::FrameWait => self.whole_is,
+            Stage::ScanWait => self.whole_kind(&[self.row]),
             Stage::FrameQueue | Stage::Render | Stage::FlipWait => self.parts_are,
             _ => BoundKind::Exact,
         }
     }
 
-    /// Whether the bounds of the whole way are reached.
-    pub fn whole_kind(&self) -> BoundKind {
-        self.whole_is
+    /// Whether the bounds of the whole way are reached, if its end jumps where a picture tears at one of `edges`.
+    pub fn whole_kind(&self, edges: &[Nanos]) -> BoundKind {
+        match self.torn.as_ref().is_some_and(|torn| torn.is_open(edges)) {
+            true => BoundKind::Outer,
+            false => self.whole_is,
+        }
     }
 
     /// Bounds of one stage.

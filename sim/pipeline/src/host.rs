@@ -18,7 +18,10 @@ impl Run<'_, '_> {
     pub(crate) fn host_tick(&mut self) {
         if self.in_flight_is_full() {
             self.overdue = true;
-        } else {
+            return;
+        }
+        self.start_frame();
+        while self.setup.filled && !self.setup.runtime.overlapped && !self.in_flight_is_full() {
             self.start_frame();
         }
     }

@@ -103,6 +103,9 @@ pub struct Setup<'a> {
     /// How often a free-running host is due to start a frame. A frame that overruns delays the next,
     /// which then starts as soon as it ends; later ones are back on the grid.
     pub host_rate: Rate,
+    /// All places in flight of a host that runs freely are taken from its first tick on, as they are after a
+    /// while if frames always take longer than its period.
+    pub filled: bool,
     /// How long frames take to render.
     pub cost: &'a dyn FrameCost,
     /// Where the clocks stand.
@@ -153,6 +156,7 @@ impl<'a> Setup<'a> {
             sync,
             runtime: Runtime::default(),
             host_rate: scan.rate,
+            filled: false,
             cost,
             phases: Phases::default(),
             gaze: GazeInput::None,

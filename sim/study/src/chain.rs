@@ -12,7 +12,7 @@ use foveasim_pipeline::{
 };
 
 pub use foveasim_pipeline::HeadSampling;
-pub use part::{PARTS, Part};
+pub use part::{Anomaly, PARTS, Part};
 pub use spec::{ChainSpec, DriftSpec, render_law};
 
 /// A valid chain: everything that latency depends on.
@@ -84,6 +84,11 @@ impl Chain {
     /// Shortest and longest rendering time.
     pub fn render_range(&self) -> Interval {
         Interval::new(self.render.min(), self.render.max())
+    }
+
+    /// Whether every frame takes longer than a host that runs freely has for one.
+    pub fn never_keeps_up(&self) -> bool {
+        self.sync != SyncMode::Vsync && self.render.min() > self.host_rate.period()
     }
 
     /// What answers a movement of the head.

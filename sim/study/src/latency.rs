@@ -55,6 +55,18 @@ pub enum LatencyError {
         /// What would be valid.
         valid: String,
     },
+    /// The simulation and the bounds of one chain contradict each other: one of the two is wrong.
+    #[error(
+        "the simulation of {quantity} came to {found}, outside its bounds {bound} ms: one of the two is wrong"
+    )]
+    OutsideBounds {
+        /// As in tables.
+        quantity: &'static str,
+        /// From and to \[ms\].
+        found: String,
+        /// Likewise.
+        bound: String,
+    },
     /// Parts of the chain that do not fit each other.
     #[error(transparent)]
     Chain(#[from] ModelError),
@@ -264,6 +276,8 @@ impl LatencyStudy {
         let mut setup = Setup {
             seed,
             run,
+            // Frames that overrun by little would fill the queue for longer than runs can wait.
+            filled: self.chain.never_keeps_up(),
             ..self.chain.setup(cost, start.phases)
         };
         if let Some(lock) = setup.runtime.host_lock
@@ -296,7 +310,7 @@ impl LatencyStudy {
     /// numbers.
     ///
     /// # Errors
-    /// If `runs` is 0 or above [`MAX_RUNS`].
+    /// If `runs` is 0 or above [`MAX_RUNS`], or a run leaves its bounds.
     pub fn run(
         &self,
         runs: u64,
@@ -336,14 +350,16 @@ impl LatencyStudy {
                 partial
             })
             .reduce(empty, Partial::merge);
-        Ok(LatencyResult {
+        let result = LatencyResult {
             histograms,
             bounds,
             bound_kinds: frame.kinds.clone(),
             extremes: extremes
                 .map(|pair| pair.map(|run| run.expect("there was at least one run").sample)),
             events,
-        })
+        };
+        result.check()?;
+        Ok(result)
     }
 }
 

@@ -50,7 +50,7 @@ mod verify;
 pub use calibrate::{
     Calibration, Coefficient, CostFit, CostRow, CostRows, non_negative_least_squares,
 };
-pub use chain::{Chain, ChainSpec, DriftSpec, HeadSampling, PARTS, Part, render_law};
+pub use chain::{Anomaly, Chain, ChainSpec, DriftSpec, HeadSampling, PARTS, Part, render_law};
 pub use events::EventStudy;
 pub use frame::{Drawing, FrameError, FrameOutcome, FrameStudy, Shot, Sight};
 pub use kernel::{

@@ -1,7 +1,7 @@
 use std::io::BufRead;
 
 use foveasim_models::math::{mean, to_deg};
-use foveasim_models::{Eye, Nanos, Provenance, Recording, Sample};
+use foveasim_models::{Eye, Nanos, Provenance, Rate, Recording, Sample};
 use glam::DVec3;
 
 use super::eyes::EyePair;
@@ -35,6 +35,7 @@ pub(super) fn begins(line: &str) -> bool {
 /// EyeLink's ASC (SR Research, edf2asc): samples between `START` and `END`, with messages and events in
 /// between.
 ///
+/// * `SAMPLES … RATE` states how often gaze was sampled: excerpts leave samples out.
 /// * Times are in ms, with one decimal at 2 kHz. Blocks follow one another; the holes between are gaps.
 /// * Samples have x, y (pixels from the top-left) and pupil size of one eye or both, as `SAMPLES` says;
 ///   what follows (input, target, flags) is not read. `.` is a lost value.
@@ -61,6 +62,8 @@ struct State<'a> {
     /// Inside a block.
     recording: bool,
     eyes: Option<[bool; 2]>,
+    /// As the first block says.
+    rate: Option<Rate>,
     pair: EyePair,
     /// Left, top, right and bottom pixel.
     coordinates: Option<[f64; 4]>,
@@ -79,6 +82,7 @@ impl<'a> State<'a> {
             file,
             recording: false,
             eyes: None,
+            rate: None,
             pair: EyePair::new([true, true], " on the screen"),
             coordinates: None,
             resolutions: [Vec::new(), Vec::new()],
@@ -134,6 +138,11 @@ impl<'a> State<'a> {
             self.pair = EyePair::new(eyes, " on the screen");
         }
         self.eyes = Some(eyes);
+        let mut after = text.split_ascii_whitespace().skip_while(|w| *w != "RATE");
+        if let (None, Some(hz)) = (self.rate, after.nth(1)) {
+            let hz = row.number("RATE", hz, 1.0..=1e5)?;
+            self.rate = Rate::from_hz("RATE", hz).ok();
+        }
         Ok(())
     }
 
@@ -273,6 +282,7 @@ impl<'a> State<'a> {
         Ok(Parsed {
             recording: Recording {
                 gaze: series(gaze, Provenance::Truth),
+                gaze_rate: self.rate,
                 notes,
                 ..Recording::default()
             },

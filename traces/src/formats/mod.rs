@@ -146,15 +146,25 @@ impl Format {
         matches!(self, Self::EyeNavGs | Self::JuDo1000)
     }
 
-    /// A file that holds one session has no other to be asked for.
-    fn check_segment(self, file: &str, options: &ReadOptions) -> Result<(), TraceError> {
+    /// A file that holds one session has no other to be asked for, and one in metres has no scale.
+    fn check_options(self, file: &str, options: &ReadOptions) -> Result<(), TraceError> {
         match options.segment {
             Some(wanted) if wanted != 1 && !self.has_segments() => Err(TraceError::NoSuchSegment {
                 file: file.to_owned(),
                 wanted,
                 segments: 1,
             }),
-            _ => Ok(()),
+            _ => match options.scale {
+                Some(scale) if self != Self::EyeNavGs => {
+                    let valid = format!(
+                        "absent: {file} is {}, which has no scene units; {} has",
+                        self.name(),
+                        Self::EyeNavGs.name()
+                    );
+                    Err(TraceError::option("scale", scale, valid))
+                }
+                _ => Ok(()),
+            },
         }
     }
 
@@ -165,7 +175,7 @@ impl Format {
         file: &'a str,
         options: &ReadOptions,
     ) -> Result<Option<Box<dyn RowReader + 'a>>, TraceError> {
-        self.check_segment(file, options)?;
+        self.check_options(file, options)?;
         let layout = match self {
             Self::EyeNavGs | Self::EyeLink | Self::Glasses3 => return Ok(None),
             Self::Foveasim => return Ok(Some(Box::new(foveasim::Rows::new(head, file)?))),
@@ -187,7 +197,7 @@ impl Format {
         lines: &mut Lines<'_, R>,
         options: &ReadOptions,
     ) -> Result<Parsed, TraceError> {
-        self.check_segment(lines.file(), options)?;
+        self.check_options(lines.file(), options)?;
         match self {
             Self::EyeNavGs => eyenavgs::parse(head, lines, options).map(Parsed::from),
             Self::EyeLink => eyelink::parse(lines, options),

@@ -417,6 +417,11 @@ impl RowReader for Table<'_> {
         let row = Row::new(self.file, line, self.columns.decimal_comma());
         let text = self.mended(line.text);
         let texts = row.pick(&self.columns, &text)?;
+        if !line.complete && text.ends_with(self.columns.separator()) {
+            // Where a field is empty at the end of what has no end, it was lost.
+            let width = self.columns.width();
+            return Err(row.field_count(width - 1, width));
+        }
         self.samples(&row, &texts)
     }
 

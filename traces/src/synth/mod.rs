@@ -116,6 +116,7 @@ pub fn synth(spec: &SynthSpec) -> Result<Recording, TraceError> {
         source: format!("synthetic, seed {}", spec.seed),
         format: "synthetic".into(),
         gaze: Some(Series::new(gaze, Provenance::Truth).map_err(series)?),
+        gaze_rate: None,
         pose: Some(Series::new(pose, Provenance::Truth).map_err(series)?),
         notes: Vec::new(),
     })
@@ -157,6 +158,7 @@ pub fn with_synthetic_gaze(
     let gaze = Series::new(samples, Provenance::Truth).ok();
     Ok(Recording {
         gaze,
+        gaze_rate: None,
         notes,
         ..recording.clone()
     })

@@ -107,6 +107,22 @@ fn a_file_that_was_cut_off() {
 }
 
 #[test]
+fn a_last_line_without_an_end_is_told() {
+    let whole = "t_ns,gaze_azimuth_deg,gaze_elevation_deg\n100,1,2\n200,1,2\n";
+    let note = "the last line has no end: it may have been cut".to_owned();
+    assert!(!parse(whole).unwrap().notes.contains(&note));
+    assert!(!parse(&format!("{whole}\n")).unwrap().notes.contains(&note));
+    // Digits of the last field are missing, and nothing else says so.
+    let cut = parse(&format!("{whole}300,1,2.34")).unwrap();
+    assert!(cut.notes.contains(&note), "{:?}", cut.notes);
+    // A field that may be empty is not where the file ends in it.
+    let targets = "timestamp\tleft_x\tleft_y\tright_x\tright_y\n1\t2\t3\t4\t5\n";
+    parse(&format!("{targets}2\t2\t3\t4\t\n")).unwrap();
+    let text = error(&format!("{targets}2\t2\t3\t4\t"));
+    assert!(text.starts_with("f: line 3: truncated"), "{text}");
+}
+
+#[test]
 fn options_out_of_range_are_named() {
     let with = |options: ReadOptions| {
         read(&b"timestamp\tleft_x\tleft_y\n1\t2\t3\n"[..], "f", &options)
@@ -159,6 +175,14 @@ fn options_out_of_range_are_named() {
         ..ReadOptions::default()
     });
     assert_eq!(two, "f: segment 2: must be 1 to 1");
+    let scaled = with(ReadOptions {
+        scale: Some(2.0),
+        ..ReadOptions::default()
+    });
+    assert!(
+        scaled.starts_with("scale = 2: must be absent: f is "),
+        "{scaled}"
+    );
 }
 
 #[test]

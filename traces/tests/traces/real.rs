@@ -358,17 +358,20 @@ fn gaze_agrees_with_its_sources() {
 
 #[test]
 fn excerpts_of_eyelink_files() {
-    for (name, rows, missing, note) in [
+    for (name, rows, missing, rate, note) in [
+        // Of most of its samples nothing is left: the rate is the one that the file states.
         (
             "eyelink_monocular_2khz_example.asc",
             16,
             0,
+            2000.0,
             "37.2 x 37.8 px per degree",
         ),
         (
             "eyelink_monocular_no_dummy_example.asc",
             297,
             69,
+            500.0,
             "is assumed",
         ),
     ] {
@@ -380,6 +383,7 @@ fn excerpts_of_eyelink_files() {
         };
         let about = info(&r).gaze.unwrap();
         assert_eq!((about.samples, about.missing), (rows, missing), "{name}");
+        assert_eq!(about.rate_hz, rate, "{name}");
         assert!(noted(&r, note), "{name}: {:?}", r.notes);
     }
 }

@@ -4,6 +4,7 @@ use super::*;
 fn refresh_rates_that_no_display_has() {
     let spec = |refresh_hz| ScanSpec {
         refresh_hz,
+        response_fraction: 0.9,
         ..ScanSpec::default()
     };
     for hz in [1.0, 10_000.0] {
@@ -20,6 +21,7 @@ fn clock(change: &dyn Fn(&mut ScanSpec)) -> Result<(ScanClock, PixelResponse), M
     let mut spec = ScanSpec {
         refresh_hz: 100.0,
         lines: Some([80, 100]),
+        response_fraction: 0.9,
         ..ScanSpec::default()
     };
     change(&mut spec);
@@ -71,6 +73,7 @@ fn eyes_in_sequence_share_the_time() {
     let planar = ScanSpec {
         refresh_hz: 60.0,
         eyes: EyeOrder::Sequence,
+        response_fraction: 0.9,
         ..ScanSpec::default()
     };
     assert!(planar.build([10, 10], 1).is_err());
@@ -94,6 +97,8 @@ fn a_pixel_switches_along_its_curve() {
     assert!(wrong(vec![[0.0, 0.0]]) && wrong(vec![[0.0, 0.1], [1.0, 1.0]]));
     assert!(wrong(vec![[0.0, 0.0], [1.0, 1.0], [1.0, 1.0]]));
     assert!(wrong(vec![[0.0, 0.0], [f64::NAN, 1.0]]));
+    // Without a curve there is nothing that it would be a fraction of.
+    assert!(clock(&|s| s.response_fraction = 0.5).is_err());
 }
 
 #[test]

@@ -2,10 +2,12 @@ use foveasim_models::Nanos;
 
 use super::BoundKind;
 use super::backlog::{Backlog, BacklogFlips};
-use super::locked::LockedFlip;
+use super::blanks::{Blanks, Flip};
+use super::locked::{LockedFlip, overruns};
 use super::meeting::Meeting;
 use super::queue::Queue;
 use super::ticks::{longest, periods, refreshes};
+use super::unit::Unit;
 use crate::runtime::LEAST_RESERVE;
 use crate::{FrameStart, Interval, Missed, Setup, SyncMode};
 
@@ -38,6 +40,9 @@ pub(super) struct Host {
 /// What becomes of the queue of frames that take a refresh, less the part of a nanosecond, while a run lasts.
 const SHRINKS: Nanos = Nanos(256);
 
+/// Of frames in flight that take turns for longer than they are followed.
+const UNKNOWN_TURN: Nanos = Nanos(i64::MAX);
+
 /// How the frames of a host that runs freely follow each other.
 struct Turns {
     cycle: Nanos,
@@ -64,7 +69,7 @@ impl Turns {
         }
         let ahead = i64::from(setup.runtime.in_flight) - 1;
         // Frames that never wait for the clock wait for all those before them.
-        let queued = |t: Nanos| match t > period {
+        let queued = |t: Nanos| match t > setup.host_rate.period() {
             true => t * ahead,
             false => Nanos::ZERO,
         };
@@ -180,51 +185,45 @@ impl Host {
         let Turns {
             cycle, wait, queue, ..
         } = Turns::of(setup, render);
-        let (mut flip_wait, mut to_flip, mut flips) = (None, None, 0);
-        let mut from_the_tick_before = Nanos::ZERO;
-        let join = |so_far: &mut Option<Interval>, next: Interval| {
-            *so_far = Some(so_far.map_or(next, |i| i.hull(next)));
+        let each = || {
+            flip.beginnings()
+                .map(|blanks| (blanks, blanks.flip(render, lead)))
         };
-        for begun in flip.beginnings() {
-            let blank = |t: Nanos| refreshes(rate, begun + t + lead);
-            let ((first, _), (_, last)) = (blank(render.min), blank(render.max));
-            let after = |n: i64, t: Nanos| (longest(rate, n) - lead - begun - t).max(Nanos::ZERO);
-            join(
-                &mut flip_wait,
-                match first == last {
-                    true => {
-                        let least = rate.tick(first) - lead - begun - render.max;
-                        Interval::new(least.max(Nanos::ZERO), after(first, render.min))
-                    }
-                    // One that ends just after the deadline waits for the next.
-                    false => {
-                        Interval::new(Nanos::ZERO, after(first, render.min).max(longest(rate, 1)))
-                    }
-                },
-            );
-            let least = (rate.tick(first) - begun).max(render.min + lead);
-            join(
-                &mut to_flip,
-                Interval::new(least, longest(rate, last) - begun),
-            );
-            let before = match setup.host_rate == rate && cycle == longest(rate, 1) {
-                true => longest(rate, last + 1) - begun,
-                false => cycle + longest(rate, last) - begun,
-            };
-            from_the_tick_before = from_the_tick_before.max(before);
-            let (_, next) = blank(cycle + render.max);
-            flips = flips.max(next - first);
-        }
-        let to_flip = queue + to_flip.expect("frames begin somewhere");
+        let hull =
+            |of: fn(&Flip) -> Interval| each().map(|(_, flip)| of(&flip)).reduce(Interval::hull);
+        let longest_of = |of: &dyn Fn(Blanks, Flip) -> i64| each().map(|(b, f)| of(b, f)).max();
+        // The frame before began a period before, with the host's clock, or as long before as it takes.
+        let overrun = overruns(setup, render);
+        let from_the_one_before = longest_of(&|blanks,
+                                               Flip {
+                                                   blanks: [_, last], ..
+                                               }| {
+            match overrun {
+                true => cycle + blanks.until(last).max,
+                false => blanks.a_period_later().until(last).max,
+            }
+            .0
+        });
+        let flips = longest_of(&|blanks,
+                                 Flip {
+                                     blanks: [first, _], ..
+                                 }| {
+            blanks.first_after(cycle + render.max + lead)[1] - first
+        });
+        let somewhere = "frames begin somewhere";
         Self {
             cycle,
             wait,
             queue,
-            flip_wait: flip_wait.expect("frames begin somewhere"),
-            to_flip,
-            wait_to_flip: queue.max + from_the_tick_before,
-            flips: longest(rate, flips.max(1)),
-            whole_is: BoundKind::Exact,
+            flip_wait: hull(|flip| flip.wait).expect(somewhere),
+            to_flip: queue + hull(|flip| flip.to_flip).expect(somewhere),
+            wait_to_flip: queue.max + Nanos(from_the_one_before.expect(somewhere)),
+            flips: longest(rate, flips.expect(somewhere).max(1)),
+            // Whether a frame that is finished within a nanosecond of a deadline meets it is up to rounding.
+            whole_is: match each().any(|(_, flip)| flip.open) {
+                true => BoundKind::Outer,
+                false => BoundKind::Exact,
+            },
             parts_are: BoundKind::Exact,
             settling: Nanos::ZERO,
             turn: Nanos::ZERO,
@@ -277,11 +276,11 @@ impl Host {
 
     /// Frames start at every vertical blank and are rendered at once; the newest finished one flips.
     fn overlapped(setup: &Setup<'_>, render: Interval) -> Self {
-        let flip = LockedFlip::at_blanks(setup, render);
         let at_the_display = Setup {
             host_rate: setup.scan.rate,
             ..*setup
         };
+        let flip = LockedFlip::at_blanks(&at_the_display, render);
         Self::locked(&at_the_display, &flip)
     }
 
@@ -377,38 +376,41 @@ impl Host {
             whole_is: BoundKind::Outer,
             parts_are: BoundKind::Outer,
             settling: Nanos::ZERO,
-            turn: Nanos::ZERO,
+            turn: UNKNOWN_TURN,
         }
     }
 
-    /// Frames start so that one that takes `reserve` is composed in time.
+    /// Frames start so that one that takes `reserve` is composed in time. One that takes a refresh less than that,
+    /// or several, flips as many blanks sooner.
     fn just_in_time(setup: &Setup<'_>, render: Interval, reserve: Nanos) -> Self {
         let (rate, lead) = (setup.scan.rate, setup.runtime.lead);
-        let reserve = reserve.max(LEAST_RESERVE);
-        let late = |t: Nanos| match t > reserve {
-            true => rate.first_at_or_after(t - reserve).max(1),
-            false => 0,
-        };
-        let (first, last) = (late(render.min), late(render.max));
-        let steps = rate.first_at_or_after(render.max).max(1);
-        let cycle = longest(rate, steps);
-        let to_flip = Interval::new(rate.tick(first), longest(rate, last))
-            + Interval::exactly(reserve + lead);
-        let early = |t: Nanos, n: i64| (longest(rate, n) + reserve - t).max(Nanos::ZERO);
-        let flip_wait = match first == last {
-            true => Interval::new(early(render.max, last), early(render.min, first)),
-            // One that ends just after the deadline waits for the next.
-            false => Interval::new(Nanos::ZERO, early(render.min, first).max(longest(rate, 1))),
-        };
+        let ahead = reserve.max(LEAST_RESERVE) + lead;
+        let unit = Unit::of(setup);
+        let blanks = Blanks::new(unit, -unit.of_nanos(ahead));
+        let flip = blanks.flip(render, lead);
+        let [_, last] = flip.blanks;
+        // The next is meant for the first blank that it can still meet, as far on as this one takes.
+        let steps = |t: Nanos| rate.first_at_or_after(t).max(1);
+        let cycle = longest(rate, steps(render.max));
+        let flips = |t: Nanos| steps(t) - blanks.first_after(t + lead)[0] + last;
+        // This is longest for the shortest frame, the longest, or one that just misses a blank.
+        let misses = |n: i64| Some(longest(rate, n) + Nanos(1)).filter(|t| render.contains(*t));
+        let apart = (0..=steps(render.max))
+            .filter_map(misses)
+            .chain([render.min, render.max]);
+        let flips = apart.map(flips).max().expect("there are frames").max(1);
         Self {
             cycle,
             wait: cycle,
             queue: Interval::ZERO,
-            flip_wait,
-            to_flip,
-            wait_to_flip: cycle + to_flip.max,
-            flips: longest(rate, steps + last),
-            whole_is: BoundKind::Exact,
+            flip_wait: flip.wait,
+            to_flip: flip.to_flip,
+            wait_to_flip: longest(rate, steps(render.max) + last) + ahead,
+            flips: longest(rate, flips),
+            whole_is: match flip.open {
+                true => BoundKind::Outer,
+                false => BoundKind::Exact,
+            },
             parts_are: BoundKind::Exact,
             settling: Nanos::ZERO,
             turn: Nanos::ZERO,

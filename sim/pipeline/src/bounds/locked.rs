@@ -1,6 +1,7 @@
-use foveasim_models::{Nanos, Rate};
+use foveasim_models::Nanos;
 
-use super::unit::{PERIOD_OF_A_MICRO_HZ, Unit, greatest_common_divisor};
+use super::blanks::Blanks;
+use super::unit::{Unit, greatest_common_divisor};
 use crate::{Interval, Setup};
 
 /// Where the frames of a host whose clock is the display's begin to be rendered, and when they flip if they
@@ -13,11 +14,11 @@ use crate::{Interval, Setup};
 /// the greatest common measure of the refresh, the host's period and, if they overrun, the frames' time.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) struct LockedFlip {
-    /// From the vertical blank to a tick of the host.
-    pub(super) lock: Nanos,
+    unit: Unit,
+    /// From the vertical blank to a tick of the host \[units\].
+    lock: i128,
     /// In how many places of a refresh frames begin, evenly apart.
-    pub(super) places: i64,
-    pub(super) refresh: Rate,
+    places: i64,
     /// How long frames render.
     pub(super) render: Interval,
 }
@@ -59,10 +60,12 @@ impl Beat {
             false => Nanos::ZERO,
         };
         let measure = greatest_common_divisor(both, i128::from(overrun.0) * ns);
+        // Clocks that meet nowhere twice have more places than can be counted.
+        let few = |n: i128| i64::try_from(n).unwrap_or(i64::MAX);
         Self {
-            refreshes: (period / both) as i64,
+            refreshes: few(period / both),
             overrun,
-            places: (refresh / measure) as i64,
+            places: few(refresh / measure),
         }
     }
 
@@ -76,27 +79,43 @@ impl Beat {
 }
 
 impl LockedFlip {
-    /// Of frames that begin at vertical blanks.
-    pub(super) fn at_blanks(setup: &Setup<'_>, render: Interval) -> Self {
+    /// Of frames that begin in `places` of a refresh, one of them `lock` after the vertical blank.
+    pub(super) fn new(setup: &Setup<'_>, render: Interval, lock: Nanos, places: i64) -> Self {
+        let unit = Unit::of(setup);
         Self {
-            lock: Nanos::ZERO,
-            places: 1,
-            refresh: setup.scan.rate,
+            unit,
+            lock: unit.of_nanos(lock),
+            places,
             render,
         }
     }
 
-    /// How far the beam has come `t` after a frame begins in place number `place`.
-    fn beam(&self, place: i64, t: Nanos) -> Nanos {
-        let unit = i128::from(self.refresh.micro_hz()) * i128::from(self.places);
-        let whole = PERIOD_OF_A_MICRO_HZ * i128::from(self.places);
-        let at = i128::from((self.lock + t).0) * unit + PERIOD_OF_A_MICRO_HZ * i128::from(place);
-        Nanos((at.rem_euclid(whole) / unit) as i64)
+    /// Of frames that begin at vertical blanks.
+    pub(super) fn at_blanks(setup: &Setup<'_>, render: Interval) -> Self {
+        Self::new(setup, render, Nanos::ZERO, 1)
     }
 
-    /// How far the beam has come when frames begin.
-    pub(super) fn beginnings(&self) -> impl Iterator<Item = Nanos> + '_ {
-        (0..self.places).map(|place| self.beam(place, Nanos::ZERO))
+    /// When after a vertical blank frames begin in place number `place` \[units\].
+    fn begun(&self, place: i64) -> i128 {
+        let step = self.unit.refresh / i128::from(self.places);
+        (self.lock + i128::from(place) * step).rem_euclid(self.unit.refresh)
+    }
+
+    /// How the vertical blanks follow the beginning of a frame.
+    pub(super) fn beginnings(&self) -> impl Iterator<Item = Blanks> + '_ {
+        (0..self.places).map(|place| Blanks::new(self.unit, self.begun(place)))
+    }
+
+    /// How far the beam has come `t` after a frame begins in place number `place`: one way round, and the other.
+    fn beam(&self, place: i64, t: Nanos) -> [Nanos; 2] {
+        let Unit { ns, refresh, .. } = self.unit;
+        let at = (self.begun(place) + self.unit.of_nanos(t)).rem_euclid(refresh);
+        let up = match self.unit.up(at) {
+            // By then the next scan has begun.
+            up if i128::from(up.0) * ns >= refresh => Nanos::ZERO,
+            up => up,
+        };
+        [self.unit.down(at), up]
     }
 
     /// Least and most of what depends on how long a frame renders and how far the beam has come then; it may
@@ -113,13 +132,15 @@ impl LockedFlip {
         for place in 0..self.places {
             let mut see = |t: Nanos| {
                 if self.render.contains(t) {
-                    let value = of(t, self.beam(place, t));
-                    (low, high) = (low.min(value), high.max(value));
+                    for beam in self.beam(place, t) {
+                        let value = of(t, beam);
+                        (low, high) = (low.min(value), high.max(value));
+                    }
                 }
             };
             see(min);
             see(max);
-            let [first, last] = [min, max].map(|t| self.beam(place, t));
+            let [first, last] = [min, max].map(|t| self.beam(place, t)[0]);
             for edge in edges {
                 // Where the beam passes it first, and last: what lies between is no shorter and no longer.
                 let after = min + Nanos((*edge - first).0.rem_euclid(refresh.0));
@@ -132,11 +153,19 @@ impl LockedFlip {
         Interval::new(low, high)
     }
 
+    /// Whether rounding decides if the beam passes one of `edges` before the shortest, or the longest, frame ends.
+    pub(super) fn is_open(&self, edges: &[Nanos]) -> bool {
+        let Interval { min, max } = self.render;
+        let mut ends = (0..self.places).flat_map(|place| [min, max].map(|t| self.beam(place, t)));
+        ends.any(|[down, up]| down < up && edges.contains(&down))
+    }
+
     /// From the flip until the beam reaches `row`.
     pub(super) fn wait(&self, refresh: Nanos, row: Nanos) -> Interval {
         let Interval { min, max } =
             self.extremes(refresh, &[row], |_, beam| super::until(row, beam, refresh));
-        Interval::new((min - Nanos(1)).max(Nanos::ZERO), max + Nanos(1))
+        // The next scan may begin a nanosecond before `refresh` says.
+        Interval::new((min - Nanos(1)).max(Nanos::ZERO), max)
     }
 
     /// Least and most of a way that begins when a frame begins to be rendered, and goes on from its flip as

@@ -37,7 +37,7 @@ impl Meeting {
             return Self::Anywhere;
         };
         let Beat { places, .. } = Beat::of(setup, render);
-        let dense = places > 1 && setup.scan.rate.period() <= DENSE * places;
+        let dense = places > 1 && setup.scan.rate.period().0 / DENSE.0 <= places;
         if overruns(setup, render) && render.width() > Nanos::ZERO {
             if setup.runtime.in_flight == 1 || render.min > setup.host_rate.period() {
                 return Self::Anywhere;
@@ -53,12 +53,7 @@ impl Meeting {
         }
         match dense {
             true => Self::Anywhere,
-            false => Self::Places(LockedFlip {
-                lock,
-                places,
-                refresh: setup.scan.rate,
-                render,
-            }),
+            false => Self::Places(LockedFlip::new(setup, render, lock, places)),
         }
     }
 }
@@ -88,6 +83,15 @@ impl Torn {
         match self {
             Self::Places(flip) => flip.render,
             Self::Backlog(backlog) => backlog.to_end(),
+        }
+    }
+
+    /// Whether what happens is up to rounding where the beam may jump at `edges`.
+    pub(super) fn is_open(&self, edges: &[Nanos]) -> bool {
+        match self {
+            Self::Places(flip) => flip.is_open(edges),
+            // Frames of uneven times end on both sides.
+            Self::Backlog(_) => false,
         }
     }
 

@@ -1,4 +1,4 @@
-use foveasim_models::Nanos;
+use foveasim_models::{Nanos, Rate};
 
 use crate::Setup;
 
@@ -18,7 +18,11 @@ pub(super) struct Unit {
 
 impl Unit {
     pub(super) fn of(setup: &Setup<'_>) -> Self {
-        let [host, display] = [setup.host_rate, setup.scan.rate].map(|r| i128::from(r.micro_hz()));
+        Self::of_rates(setup.host_rate, setup.scan.rate)
+    }
+
+    pub(super) fn of_rates(host: Rate, display: Rate) -> Self {
+        let [host, display] = [host, display].map(|r| i128::from(r.micro_hz()));
         let common = greatest_common_divisor(host, display);
         Self {
             ns: host / common * display,
@@ -29,6 +33,11 @@ impl Unit {
 
     pub(super) fn of_nanos(&self, t: Nanos) -> i128 {
         i128::from(t.0) * self.ns
+    }
+
+    /// Whether ticks of both clocks are whole numbers of nanoseconds: none is rounded.
+    pub(super) fn is_whole(&self) -> bool {
+        self.refresh % self.ns == 0 && self.period % self.ns == 0
     }
 
     pub(super) fn down(&self, t: i128) -> Nanos {

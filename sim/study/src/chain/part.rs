@@ -2,7 +2,7 @@ use std::fmt;
 use std::str::FromStr;
 
 use foveasim_models::{Durations, ModelError, Nanos, unknown_name};
-use foveasim_pipeline::FrameStart;
+use foveasim_pipeline::{FrameStart, Missed};
 
 use super::Chain;
 
@@ -27,7 +27,8 @@ pub enum Part {
     Slippage,
     /// Head samples reach the host at once.
     HeadDelay,
-    /// Frames render in no time.
+    /// Frames render in no time: each is finished once it has read its input, which it does as long after its start
+    /// as before.
     Render,
     /// Frames in flight wait for no earlier ones and are shown at once
     /// ([`Runtime::overlapped`](foveasim_pipeline::Runtime)). One frame in flight has no queue.
@@ -101,7 +102,51 @@ impl fmt::Display for Part {
     }
 }
 
+/// What may rise although a part takes no time any more.
+///
+/// Latencies of chains whose frames wait for clocks, for each other and for a display are no sums; these are all
+/// the cases in which less of a part may mean more of the whole.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
+pub enum Anomaly {
+    /// The best case, not the mean. A host whose clock is the display's, and whose frames overrun it, meets the
+    /// display in any way, the luckiest among them; one that keeps up meets it as its lock says, for ever.
+    BestCase,
+    /// What answers the head. A late warp that leaves refreshes without a new frame alone (no reprojection) turns
+    /// new frames only: how far these are apart counts, and frames that are ready sooner may come less evenly.
+    WarpRhythm,
+}
+
+impl fmt::Display for Anomaly {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::BestCase => {
+                "the best case may be worse without it: frames that overrun meet the display in any way, \
+                 those that keep up as the host's lock says"
+            }
+            Self::WarpRhythm => {
+                "motion may be slower without it: the late warp turns new frames only, and these may come \
+                 less evenly (`reproject` turns all)"
+            }
+        })
+    }
+}
+
 impl Chain {
+    /// What may rise if `part` is off; nothing in most chains.
+    pub fn anomalies_without(&self, part: Part) -> Vec<Anomaly> {
+        let runtime = &self.runtime;
+        let overruns = self.render.max() > self.host_rate.period();
+        let mut anomalies = Vec::new();
+        if matches!(part, Part::Render | Part::Queue) && runtime.host_lock.is_some() && overruns {
+            anomalies.push(Anomaly::BestCase);
+        }
+        let turns_new_frames = runtime.warp.is_some() && runtime.missed != Missed::Reproject;
+        if matches!(part, Part::Render | Part::Queue | Part::Lead) && turns_new_frames {
+            anomalies.push(Anomaly::WarpRhythm);
+        }
+        anomalies
+    }
+
     /// The same chain with one part off.
     #[must_use]
     pub fn without(mut self, part: Part) -> Self {
@@ -117,11 +162,11 @@ impl Chain {
             Part::Slippage => tracker.slippage_deg_per_sqrt_min = 0.0,
             Part::HeadDelay => self.head.delay = Nanos::ZERO,
             Part::Render => {
-                self.render = Durations::ZERO;
-                // There is nothing left to latch within, nor to set time aside for.
-                (runtime.gaze_latch, runtime.pose_latch) = (Nanos::ZERO, Nanos::ZERO);
+                // Input is read when it was; no frame is finished before.
+                let read = runtime.gaze_latch.max(runtime.pose_latch);
+                self.render = Durations::fixed(read);
                 if let FrameStart::JustInTime { reserve } = &mut runtime.start {
-                    *reserve = Nanos::ZERO;
+                    *reserve = read.min(*reserve);
                 }
             }
             Part::Queue => {

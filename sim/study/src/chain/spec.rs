@@ -1,6 +1,6 @@
 use std::path::Path;
 
-use foveasim_models::{Display, Durations, Eye, ModelError, Nanos, Rate, Tracker};
+use foveasim_models::{Display, Durations, Eye, EyeOrder, ModelError, Nanos, Rate, Tracker};
 use foveasim_pipeline::{FrameStart, Missed, Runtime, SyncMode};
 use serde::{Deserialize, Serialize};
 
@@ -117,13 +117,16 @@ impl ChainSpec {
         sync: SyncMode,
         render: Durations,
     ) -> Result<Chain, ScenarioError> {
-        let field = |field| move |why| ScenarioError::Field { field, why };
         let drift = self.drift_ppm;
         display.scan.rate = display
             .scan
             .rate
             .drifted("drift_ppm.display", drift.display)?;
         tracker.rate = tracker.rate.drifted("drift_ppm.tracker", drift.tracker)?;
+        if let (SyncMode::Vsync, Some(hz)) = (sync, self.host_hz) {
+            let valid = "absent with vsync, where the display says when frames start";
+            return Err(ModelError::range("host_hz", hz, valid).into());
+        }
         let host_rate = match self.host_hz {
             None => display.scan.rate,
             Some(hz) => Rate::from_hz("host_hz", hz)?,
@@ -138,6 +141,12 @@ impl ChainSpec {
             display = display.holding(frames)?;
         }
         let runtime = self.runtime(&render)?;
+        if let Some(name @ ("left" | "right")) = self.eye.as_deref()
+            && display.eye_order == EyeOrder::Together
+        {
+            let valid = "absent: this display scans both eyes together";
+            return Err(ModelError::range("eye", name, valid).into());
+        }
         let eye = match self.eye.as_deref() {
             None | Some("left") => 0,
             Some("right") => display
@@ -166,11 +175,47 @@ impl ChainSpec {
             head,
             eye,
         };
-        for name in &self.off {
-            chain = chain.without(name.parse::<Part>().map_err(field("off"))?);
+        for part in self.parts_off()? {
+            chain = chain.without(part);
         }
         chain.check()?;
         Ok(chain)
+    }
+
+    fn parts_off(&self) -> Result<Vec<Part>, ScenarioError> {
+        let part = |name: &String| {
+            let why = |why| ScenarioError::Field { field: "off", why };
+            name.parse::<Part>().map_err(why)
+        };
+        self.off.iter().map(part).collect()
+    }
+
+    /// What may rise although parts are off ([`Anomaly`](crate::Anomaly)), one sentence each; nothing of a chain that
+    /// is not valid with all its parts.
+    pub fn warnings(
+        &self,
+        display: &Display,
+        tracker: &Tracker,
+        sync: SyncMode,
+        render: &Durations,
+    ) -> Vec<String> {
+        let parts = self.parts_off().unwrap_or_default();
+        if parts.is_empty() {
+            return Vec::new();
+        }
+        let on = Self {
+            off: Vec::new(),
+            ..self.clone()
+        };
+        let on = on.resolve(display.clone(), tracker.clone(), sync, render.clone());
+        let Ok(chain) = on else {
+            return Vec::new();
+        };
+        let warned = parts.into_iter().flat_map(|part| {
+            let anomalies = chain.anomalies_without(part).into_iter();
+            anomalies.map(move |anomaly| format!("--off {part}: {anomaly}"))
+        });
+        warned.collect()
     }
 
     fn runtime(&self, render: &Durations) -> Result<Runtime, ScenarioError> {

@@ -7,6 +7,10 @@ use super::EventStudy;
 /// Points of a fitted curve.
 const CURVE: usize = 200;
 
+/// Lines are not drawn over holes longer than this \[s\], and than so many steps from sample to sample.
+const LONGEST_STEP_S: f64 = 0.075;
+const USUAL_STEPS: f64 = 3.0;
+
 impl EventStudy {
     /// Peak speed of saccades over their amplitude, with the fitted main sequence.
     pub fn peak_chart(&self) -> LineChart {
@@ -86,11 +90,17 @@ impl EventStudy {
     /// Gaze along the recording, from its first sample, with saccades and blinks shaded.
     pub fn gaze_chart(&self, recording: &Recording) -> LineChart {
         let samples = recording.gaze.as_ref().map_or(&[][..], |g| g.samples());
+        let hole = LONGEST_STEP_S.max(USUAL_STEPS / self.events.rate_hz);
         let line = |pick: fn(foveasim_models::GazeDirection) -> f64| -> Vec<[f64; 2]> {
-            let point = |s: &foveasim_models::Sample<_>| {
-                [s.t.as_secs() - self.start_s, s.value.map_or(f64::NAN, pick)]
-            };
-            samples.iter().map(point).collect()
+            let mut points: Vec<[f64; 2]> = Vec::with_capacity(samples.len());
+            for s in samples {
+                let t = s.t.as_secs() - self.start_s;
+                if points.last().is_some_and(|[last, _]| t - last > hole) {
+                    points.push([t, f64::NAN]);
+                }
+                points.push([t, s.value.map_or(f64::NAN, pick)]);
+            }
+            points
         };
         let of_line = |label: &str, points| LineSeries {
             label: label.into(),

@@ -42,8 +42,9 @@ impl Band {
                 valid,
             })
         };
-        if gaze > rows {
-            return error("gaze row", gaze.to_string(), format!("from 0 to {rows}"));
+        if gaze >= rows {
+            let valid = format!("from 0 to {}", rows.saturating_sub(1));
+            return error("gaze row", gaze.to_string(), valid);
         }
         if top >= bottom || bottom > rows {
             let valid = format!("FIRST..END with 0 ≤ FIRST < END ≤ {rows}");

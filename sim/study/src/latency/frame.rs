@@ -41,7 +41,7 @@ impl Frame {
         let all = QUANTITIES
             .iter()
             .map(|q| q.bounds(of(q), &edges, chain.sync));
-        let kinds = QUANTITIES.iter().map(|q| q.bound_kind(of(q)));
+        let kinds = QUANTITIES.iter().map(|q| q.bound_kind(of(q), &edges));
         let (render, period) = (chain.render.max(), -chain.host_rate.tick(-1));
         let settling = match chain.runtime == Runtime::default() {
             true => Nanos::ZERO,

@@ -87,6 +87,68 @@ impl Knob {
         }
     }
 
+    /// What to do to shorten it, in words and with what it is in `chain`. Parts that are stages go by the names
+    /// that these have in tables.
+    pub fn advice(self, chain: &Chain) -> String {
+        let ms = |t: Nanos| format!("{:.2} ms", t.as_ms());
+        let every = |rate: Rate| ms(rate.period());
+        let (tracker, runtime) = (&chain.tracker, &chain.runtime);
+        let (response, scan) = (&chain.display.response, &chain.display.scan);
+        let stage = |name: &str, t: Nanos| format!("shorten {name} (of {})", ms(t));
+        let later = |what: &str, flag: &str, latch: Nanos| {
+            format!(
+                "read the {what} later in the frame ({flag}, now {}, can be up to {}, the shortest frame)",
+                ms(latch),
+                ms(chain.render.min())
+            )
+        };
+        match self {
+            Self::TrackerPeriod => format!(
+                "shorten tracker_wait (an exposure begins every {}) by a higher tracker rate",
+                every(tracker.rate)
+            ),
+            Self::Exposure => stage("tracker_exposure", tracker.exposure),
+            Self::Processing => stage("tracker_processing", tracker.processing.max()),
+            Self::Transport => stage("tracker_transport", tracker.transport.max()),
+            Self::HeadPeriod => format!(
+                "shorten motion_head_wait (a head sample every {}) by a higher head rate",
+                chain.head.rate.map_or_else(String::new, every)
+            ),
+            Self::HeadDelay => stage("motion_head_delay", chain.head.delay),
+            Self::HostPeriod => format!(
+                "shorten frame_wait (a frame is due every {}) by a higher host rate",
+                every(chain.host_rate)
+            ),
+            Self::GazeLatch => later("gaze", "--gaze-latch-ms", runtime.gaze_latch),
+            Self::PoseLatch => later("head pose", "--pose-latch-ms", runtime.pose_latch),
+            Self::Render => stage("render", chain.render.max()),
+            Self::Margin => format!(
+                "shorten flip_wait (just-in-time frames have {}, the longest takes {}) by a smaller reserve",
+                ms(chain.reserve().unwrap_or_default()),
+                ms(chain.render.max())
+            ),
+            Self::Lead => stage("compose", runtime.lead),
+            Self::DisplayBuffer => format!(
+                "shorten display_buffer (the display holds {} of {} each)",
+                match scan.buffered_frames {
+                    1 => "1 frame".into(),
+                    n => format!("{n} frames"),
+                },
+                every(scan.rate)
+            ),
+            Self::RefreshPeriod => format!(
+                "shorten the display's refresh (of {}) by a higher refresh rate",
+                every(scan.rate)
+            ),
+            Self::PixelResponse => stage("pixel_response", response.settle),
+            Self::StrobeDelay => format!(
+                "shorten pixel_response (the flash comes {} after the last row)",
+                ms(response.strobe_delay)
+            ),
+            Self::Persistence => stage("persistence", response.to_counted_light),
+        }
+    }
+
     /// How much there is of it in `chain`: the most that can be taken away. A period can be halved.
     pub fn length(self, chain: &Chain) -> Nanos {
         let half = |rate: Rate| Nanos(rate.period().0 / 2);

@@ -101,10 +101,11 @@ impl Quantity {
     }
 
     /// Whether those bounds are reached.
-    pub(super) fn bound_kind(self, stages: &StageBounds) -> BoundKind {
+    pub(super) fn bound_kind(self, stages: &StageBounds, edges: &Edges) -> BoundKind {
         match self {
             Self::Stage(stage) | Self::MotionStage(stage) => stages.kind(stage),
-            Self::Gaze(_) | Self::Motion(_) => stages.whole_kind(),
+            Self::Gaze(Rows::Gaze) | Self::Motion(Rows::Gaze) => stages.whole_kind(&[edges.gaze]),
+            Self::Gaze(_) | Self::Motion(_) => stages.whole_kind(&[edges.first, edges.last]),
         }
     }
 

@@ -2,7 +2,7 @@ use foveasim_models::Nanos;
 use foveasim_pipeline::{BoundKind, Interval};
 use foveasim_reports::{Cell, Table};
 
-use super::{Histogram, LatencySample, QUANTITIES, Quantity};
+use super::{Histogram, LatencyError, LatencySample, QUANTITIES, Quantity};
 
 /// The distributions found by a study.
 #[derive(Debug, Clone, PartialEq)]
@@ -60,6 +60,23 @@ impl LatencyResult {
         QUANTITIES.into_iter().find(|q| {
             let (h, b) = (self.histogram(*q), self.bounds[q.index()]);
             !(b.contains(h.min()) && b.contains(h.max()))
+        })
+    }
+
+    /// Checks that nothing was measured outside its bounds.
+    ///
+    /// # Errors
+    /// Names the first quantity that was.
+    pub(super) fn check(&self) -> Result<(), LatencyError> {
+        let Some(quantity) = self.outside_bounds() else {
+            return Ok(());
+        };
+        let (h, bound) = (self.histogram(quantity), self.bounds[quantity.index()]);
+        let span = |from: Nanos, to: Nanos| format!("{:.6} to {:.6}", from.as_ms(), to.as_ms());
+        Err(LatencyError::OutsideBounds {
+            quantity: quantity.name(),
+            found: span(h.min(), h.max()),
+            bound: span(bound.min, bound.max),
         })
     }
 

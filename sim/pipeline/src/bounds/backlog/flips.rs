@@ -74,18 +74,18 @@ impl Backlog {
     ) -> impl Iterator<Item = (i128, Zone)> + use<> {
         let Self { unit, lead, .. } = self;
         let (refresh, zone) = (unit.refresh, *zone);
-        // Just after a deadline; at it, if blanks are rounded.
-        let after = match refresh % unit.ns {
-            0 => unit.ns,
-            _ => 0,
+        // From just after a deadline to the next; rounded ticks may be a nanosecond to either side of both.
+        let [after, slack] = match unit.is_whole() {
+            true => [unit.ns, 0],
+            false => [-unit.ns, unit.ns],
         };
         let offset = place + lead;
-        let [first, last] = zone
-            .range(end, 0)
-            .map(|t| -(-(t + offset)).div_euclid(refresh));
+        let [first, last] = zone.range(end, 0);
+        let [first, last] =
+            [first - slack, last + slack].map(|t| -(-(t + offset)).div_euclid(refresh));
         (first..=last).filter_map(move |k| {
             let deadline = k * refresh - offset;
-            let part = zone.where_within(end, [deadline - refresh + after, deadline])?;
+            let part = zone.where_within(end, [deadline - refresh + after, deadline + slack])?;
             Some((k * refresh - place, part))
         })
     }

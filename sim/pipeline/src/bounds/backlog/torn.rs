@@ -61,7 +61,10 @@ impl Backlog {
         let (unit, refresh) = (self.unit, self.unit.refresh);
         let places = self.places.iter().flatten();
         for (place, zone) in places.flat_map(|p| self.frames.iter().map(move |z| (*p, z))) {
+            // Rounded ticks may be a nanosecond to either side.
+            let slack = i128::from(!unit.is_whole()) * unit.ns;
             let [first, last] = zone.range(END, 0);
+            let [first, last] = [first - slack, last + slack];
             let mut cuts = vec![first, last];
             // The beam is at the top once a refresh, and at each edge.
             for edge in edges.iter().chain([&Nanos::ZERO]) {

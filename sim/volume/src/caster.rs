@@ -94,7 +94,8 @@ impl Caster {
                 Stored::Values(l) => size_of_val(l.levels.as_slice()),
             },
             other_bytes: size_of_val(self.cells.states.as_slice())
-                + size_of_val(&*self.table.entries),
+                + size_of_val(&*self.table.entries)
+                + size_of_val(&*self.table.shares),
             parts: self.cells.states.len(),
             parts_seen: self.cells.occupied(),
         }

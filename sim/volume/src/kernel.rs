@@ -134,6 +134,7 @@ impl<V: Corners> Kernel for Follow<'_, V> {
         let factor = F::from_slice(simd, &self.packet.factor);
         let zero = splat(simd, 0.0);
         let limit = self.limit();
+        let base_steps = factor.simd_eq(splat(simd, 1.0)).all_true();
 
         let mut k = zero;
         let mut through = splat(simd, 1.0);
@@ -141,6 +142,7 @@ impl<V: Corners> Kernel for Follow<'_, V> {
         let mut alive = samples.simd_gt(zero);
         let mut met = [Met::NOTHING; STEPS];
         let mut scratch = [0i16; 32];
+        let mut skipped = zero;
 
         while alive.any_true() {
             let live = alive.to_bitmask() as u32;
@@ -156,7 +158,7 @@ impl<V: Corners> Kernel for Follow<'_, V> {
                 let cell = whole(origin.add(step.scale(k)));
                 let next = max(self.leave(simd, origin, step, cell, &met[0].states), at);
                 self.work.bricks_skipped += u64::from(live.count_ones());
-                self.count_skipped(alive.select(min(next, samples) - k, zero));
+                skipped += alive.select(min(next, samples) - k, zero);
                 k = next;
                 alive = k.simd_lt(samples) & alive;
                 continue;
@@ -170,7 +172,7 @@ impl<V: Corners> Kernel for Follow<'_, V> {
                 if met.taken == 0 {
                     continue;
                 }
-                let (colour, left) = self.classify(simd, met, factor);
+                let (colour, left) = self.classify(simd, met, factor, base_steps);
                 // Nothing more reaches a ray that has ended.
                 let seen = left.simd_lt(splat(simd, 1.0)) & alive;
                 self.work.steps_seen += u64::from(seen.to_bitmask().count_ones());
@@ -184,6 +186,7 @@ impl<V: Corners> Kernel for Follow<'_, V> {
             k = at;
             alive = k.simd_lt(samples) & alive;
         }
+        self.count_skipped(skipped);
         let [red, green, blue] = [light.x.to_array(), light.y.to_array(), light.z.to_array()];
         let through = through.to_array();
         let mut rays = [[0.0; 4]; WIDTH];
@@ -232,22 +235,36 @@ impl<V: Corners> Follow<'_, V> {
     }
 
     /// What samples look like: their colour, and the share of light that they let through. That is 1 for
-    /// rays that took none.
+    /// rays that took none. If all rays go in base steps, the table has the share; else it depends on each
+    /// ray's step.
     #[inline(always)]
-    fn classify<S: Simd>(&self, simd: S, met: &mut Met, factor: F<S>) -> (V3<S>, F<S>) {
+    fn classify<S: Simd>(
+        &self,
+        simd: S,
+        met: &mut Met,
+        factor: F<S>,
+        base_steps: bool,
+    ) -> (V3<S>, F<S>) {
         let [level, x, y, z] = four(simd, &met.values);
         let entries = (level * self.table.per_level + 0.5).to_int::<I<S>>();
         let entries = Lanes(entries.to_array());
+        let table = match base_steps {
+            true => &self.table.shares,
+            false => &self.table.entries,
+        };
         for lane in 0..WIDTH {
-            let entry = &self.table.entries[entries.0[lane] as usize % ENTRIES];
+            let entry = &table[entries.0[lane] as usize % ENTRIES];
             met.colours.0[4 * lane..4 * lane + 4].copy_from_slice(entry);
         }
         let [r, g, b, passes] = four(simd, &met.colours);
         let zero = splat(simd, 0.0);
         let taken = M::from_bitmask(simd, u64::from(met.taken));
-        let passes = taken.select(passes, zero);
         let colour = self.shade(simd, V3 { x: r, y: g, z: b }, V3 { x, y, z });
-        let left = times_exp2(splat(simd, 1.0), passes * factor);
+        let one = splat(simd, 1.0);
+        let left = match base_steps {
+            true => taken.select(passes, one),
+            false => times_exp2(one, taken.select(passes, zero) * factor),
+        };
         (colour, left)
     }
 
@@ -340,6 +357,7 @@ impl<V: Corners> Follow<'_, V> {
         )
     }
 
+    /// Counts places of samples: whole numbers, which floats of 24 bits have whatever a ray's length.
     #[inline(always)]
     fn count_skipped<S: Simd>(&mut self, steps: F<S>) {
         let steps = steps.to_array();

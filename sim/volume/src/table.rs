@@ -1,4 +1,8 @@
 use foveasim_assets::TransferFunction;
+use foveasim_lanes::prelude::*;
+use foveasim_lanes::transcendental::times_exp2;
+use foveasim_lanes::wide::{F, Simd, WIDTH, splat};
+use foveasim_lanes::{Instructions, Kernel, dispatch};
 use foveasim_models::math::log;
 
 /// Entries of a table.
@@ -11,6 +15,8 @@ const OPAQUE: f32 = -4096.0;
 pub(crate) struct Table {
     /// Red, green, blue (linear light), and log₂ of the light that a base step lets through.
     pub(crate) entries: Box<[[f32; 4]; ENTRIES]>,
+    /// The same, but for the share of light itself that a base step lets through.
+    pub(crate) shares: Box<[[f32; 4]; ENTRIES]>,
     /// Entries per level.
     pub(crate) per_level: f32,
     /// For each entry, how many before it show something.
@@ -49,8 +55,10 @@ impl Table {
             }
         }
         seen_before.push(seen);
+        let shares = dispatch(Instructions::Auto, Shares(&entries));
         Self {
             entries,
+            shares,
             per_level: (last / top) as f32,
             seen_before,
             brightest,
@@ -65,6 +73,29 @@ impl Table {
         let from = entry(low).saturating_sub(1);
         let to = (entry(high) + 2).min(ENTRIES);
         self.seen_before[to] > self.seen_before[from]
+    }
+}
+
+/// Computes [`Table::shares`] as rays do that have steps of their own: to the same bits.
+struct Shares<'a>(&'a [[f32; 4]; ENTRIES]);
+
+impl Kernel for Shares<'_> {
+    type Output = Box<[[f32; 4]; ENTRIES]>;
+
+    #[inline(always)]
+    fn run<S: Simd>(self, simd: S) -> Self::Output {
+        let mut shares = Box::new(*self.0);
+        for entries in shares.chunks_exact_mut(WIDTH) {
+            let mut passes = [0.0; WIDTH];
+            for (lane, entry) in entries.iter().enumerate() {
+                passes[lane] = entry[3];
+            }
+            let share = times_exp2(splat(simd, 1.0), F::from_slice(simd, &passes)).to_array();
+            for (lane, entry) in entries.iter_mut().enumerate() {
+                entry[3] = share[lane];
+            }
+        }
+        shares
     }
 }
 

@@ -185,6 +185,11 @@ fn rays_are_their_own() {
     back.reverse();
     assert_eq!(all, back);
     assert_eq!(work.steps_seen, other.steps_seen);
+    // Those of base steps among themselves, where the table has what others work out.
+    let mut alike = vec![[9.0; 4]; 200];
+    let other = caster.cast(&view, |i| ray(5 * i), &mut alike).unwrap();
+    assert!(other.steps_seen > 100);
+    assert!(alike.iter().zip(all.iter().step_by(5)).all(|(a, b)| a == b));
     for (i, seen) in all.iter().enumerate() {
         let px = ray(i).px;
         if px.x > 42.0 || px.y > 30.0 {

@@ -22,7 +22,9 @@ use common::{Args, Clock, median};
 use foveasim::assets::{STUDY_FRAMES, Scene, study_camera, study_scene};
 use foveasim::models::foveation::{Method, Request};
 use foveasim::models::{LensSpec, Pose, SamplePlan, ScanSkew, View, Viewport, presets};
-use foveasim::render::{Bound, BoundCounts, RenderOptions, bound_counts, render};
+use foveasim::render::{
+    Bound, BoundCounts, FrameMemory, RenderOptions, bound_counts, render, render_into,
+};
 use glam::{DQuat, DVec2, DVec3, UVec2};
 
 /// How fast the head turns \[deg/s\], and how long a scan takes \[s\].
@@ -119,13 +121,15 @@ impl Stage {
             .expect("a method of this display")
     }
 
-    fn draw(&self, way: &Way, options: &RenderOptions) {
+    /// A frame, as a program that shows frame after frame draws it: in the memory of those before.
+    fn draw(&self, way: &Way, options: &RenderOptions, memory: &mut FrameMemory) {
         let options = RenderOptions {
             bound: way.bound,
             ..*options
         };
-        let frame = render(&self.scene, &self.view(way), &self.plan(way), &options);
-        std::hint::black_box(frame.expect("a drawable plan"));
+        let (view, plan) = (self.view(way), self.plan(way));
+        let frame = render_into(&self.scene, &view, &plan, &options, memory);
+        memory.give(std::hint::black_box(frame.expect("a drawable plan")).image);
     }
 }
 
@@ -170,12 +174,15 @@ fn main() {
 fn frames(stage: &Stage, ways: &[&Way], rounds: u32, clock: &Clock) {
     let options = RenderOptions::default();
     let mut times = vec![Vec::new(); ways.len()];
-    // The first frame touches memory for the first time.
-    stage.draw(ways[0], &options);
+    // The first frames touch memory for the first time.
+    let mut memory: Vec<FrameMemory> = ways.iter().map(|_| FrameMemory::default()).collect();
+    for (way, memory) in ways.iter().zip(&mut memory) {
+        stage.draw(way, &options, memory);
+    }
     for _ in 0..rounds {
-        for (way, times) in ways.iter().zip(&mut times) {
+        for ((way, times), memory) in ways.iter().zip(&mut times).zip(&mut memory) {
             let start = clock.now();
-            stage.draw(way, &options);
+            stage.draw(way, &options, memory);
             times.push((clock.now() - start).as_secs_f64());
         }
     }
@@ -233,9 +240,10 @@ fn bounds(stage: &Stage, rounds: u32, clock: &Clock, picture: Option<&str>) {
             } else {
                 1
             };
+            let mut memory = FrameMemory::default();
             let times = (0..rounds).map(|_| {
                 let start = clock.now();
-                stage.draw(&way, &options);
+                stage.draw(&way, &options, &mut memory);
                 (clock.now() - start).as_secs_f64()
             });
             println!(

@@ -18,8 +18,8 @@ mod common;
 
 use common::Args;
 use foveasim::assets::{Instance, Material, Mesh, Phong, Scene, Similarity, Sky, Sun, Vertex};
-use foveasim::models::{Eye, Image, Pose, SamplePlan, View, Viewport};
-use foveasim::render::{RenderOptions, Simd, Skip, render_into};
+use foveasim::models::{Eye, Pose, SamplePlan, View, Viewport};
+use foveasim::render::{FrameMemory, RenderOptions, Simd, Skip, render_into};
 use glam::{DMat3, DQuat, DVec3, UVec2};
 
 /// Triangles between the points of a grid of `nu` × `nv` squares.
@@ -152,24 +152,26 @@ fn main() {
         skip,
         ..RenderOptions::default()
     };
-    // As a program that shows frame after frame: the last image's memory is drawn into again.
-    let mut spare = Image::filled(UVec2::ZERO, [0.0; 3]);
-    let draw =
-        |k, spare| render_into(&scene, &view(k), &plan, &options, spare).expect("a drawable plan");
+    // As a program that shows frame after frame: the last ones' memory is drawn into again.
+    let mut memory = FrameMemory::default();
+    let draw = |k, memory: &mut FrameMemory| {
+        render_into(&scene, &view(k), &plan, &options, memory).expect("a drawable plan")
+    };
     for k in 0..frames.min(3) {
-        spare = draw(k, spare).image;
+        let frame = draw(k, &mut memory);
+        memory.give(frame.image);
     }
     println!("frame,wall_ms");
     let mut times = Vec::new();
     for k in 0..frames {
         let start = Instant::now();
-        let frame = draw(k, spare);
+        let frame = draw(k, &mut memory);
         times.push(start.elapsed().as_secs_f64() * 1e3);
         println!("{k},{:.3}", times[k as usize]);
-        spare = std::hint::black_box(frame).image;
+        memory.give(std::hint::black_box(frame).image);
     }
     times.sort_by(f64::total_cmp);
-    let frame = draw(0, spare);
+    let frame = draw(0, &mut memory);
     let threads = rayon::current_num_threads();
     eprintln!(
         "{} triangles, 1920x1080, {threads} threads: median {:.2} ms, least {:.2} ms",

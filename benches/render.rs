@@ -11,7 +11,9 @@ use criterion::{BenchmarkGroup, Criterion, criterion_group, criterion_main};
 use foveasim::assets::{LodRule, STUDY_FRAMES, Scene, study_camera, study_scene};
 use foveasim::models::foveation::{Method, Request};
 use foveasim::models::{Msaa, SamplePlan, View, presets};
-use foveasim::render::{RenderOptions, Sequence, Simd, Skip, TemporalOptions, render};
+use foveasim::render::{
+    FrameMemory, RenderOptions, Sequence, Simd, Skip, TemporalOptions, render_into,
+};
 
 /// Frame of the fly-through: objects near and far in view.
 const FRAME: u32 = 500;
@@ -56,8 +58,11 @@ impl Stage {
     ) {
         let view = self.view(FRAME);
         group.bench_function(name, |b| {
+            let mut memory = FrameMemory::default();
             b.iter(|| {
-                render(&self.scene, black_box(&view), plan, options).expect("a drawable plan")
+                let view = black_box(&view);
+                let frame = render_into(&self.scene, view, plan, options, &mut memory);
+                memory.give(frame.expect("a drawable plan").image);
             });
         });
     }

@@ -3,6 +3,8 @@ use foveasim_models::{Image, Lens};
 use glam::{DVec2, UVec2};
 use rayon::prelude::*;
 
+use crate::FrameMemory;
+
 /// Moves red, green and blue apart, each so much that the lens brings them together again: a pixel shows of each colour what the
 /// image has where [`Lens::source_of`] says, interpolated bilinearly; beyond the image's edge, what its edge has.
 ///
@@ -11,12 +13,20 @@ use rayon::prelude::*;
 ///
 /// [`render`](crate::render) does so by itself, of the whole image.
 pub fn separate_colours(image: Image, lens: &Lens) -> Image {
+    separate(image, lens, &mut FrameMemory::default())
+}
+
+/// The same in the memory of earlier frames.
+pub(crate) fn separate(image: Image, lens: &Lens, memory: &mut FrameMemory) -> Image {
     if lens.chromatic() == [1.0; 3] {
         return image;
     }
     let tables = [0, 1, 2].map(|colour| Factors::new(lens, colour, image.size));
     let size = image.size;
-    let mut out = image.clone();
+    let mut out = Image {
+        size,
+        rgb: memory.rgb.any(image.rgb.len(), [0.0; 3]),
+    };
     out.rgb
         .par_chunks_mut(size.x.max(1) as usize)
         .enumerate()
@@ -32,6 +42,7 @@ pub fn separate_colours(image: Image, lens: &Lens) -> Image {
                 }
             }
         });
+    memory.give(image);
     out
 }
 

@@ -174,6 +174,7 @@ mod tests {
     use glam::UVec2;
 
     use super::*;
+    use crate::memory::Pool;
 
     #[test]
     fn the_kernel_is_as_wide_as_pixels_and_steps() {
@@ -222,7 +223,7 @@ mod tests {
                 *rgb = [random.uniform() as f32; 3];
             }
             let region = Region::on_display(&map, lattice, display);
-            let texels = Texels::new(&image, &region, false);
+            let texels = Texels::new(&image, &region, false, &mut Pool::default());
             let gather = Gather::new(&map, &texels);
             let mut worst: f64 = 0.0;
             for y in 0..display.y {
@@ -274,7 +275,7 @@ mod tests {
                 );
                 *rgb = [map.display_from_lattice(middle).x as f32; 3];
             }
-            let texels = Texels::new(&image, &Region::All, false);
+            let texels = Texels::new(&image, &Region::All, false, &mut Pool::default());
             let gather = Gather::new(&map, &texels);
             let mut row = vec![[0.0; 3]; 40];
             gather.row(20, &mut row);

@@ -2,13 +2,13 @@ use foveasim_models::{Filter, Image, Interpolation, LogPolar, Map, SamplePlan, W
 use glam::{DVec2, UVec2};
 use rayon::prelude::*;
 
-use crate::Simd;
 use crate::gather::Gather;
 use crate::kernels::{
     FetchMips, FetchRow, LocateRadialRow, LocateRow, PolarInverse, RadialInverse, WIDTH, dispatch,
 };
 use crate::live::grid;
 use crate::texels::{Stretch, Texels};
+use crate::{FrameMemory, Simd};
 
 /// Looks each pixel up in the last pass, by the inverse of that pass's map: see
 /// [`Resolve::Inverse`](foveasim_models::Resolve::Inverse).
@@ -17,19 +17,29 @@ pub(crate) fn invert(
     filter: &Filter,
     image: &Image,
     simd: Simd,
+    memory: &mut FrameMemory,
 ) -> (Image, Work) {
     let Some(pass) = plan.passes.last() else {
         unreachable!("a plan without passes does not pass the checks")
     };
-    let mut texels = Texels::new(image, &pass.region, pass.map.wraps());
+    let rgba = &mut memory.rgba;
+    let mut texels = Texels::new(image, &pass.region, pass.map.wraps(), rgba);
     if let Some(first) = filter.smooth_from {
-        texels = texels.smoothed(first);
+        let smoothed = texels.smoothed(first, rgba);
+        rgba.give(std::mem::replace(&mut texels, smoothed).rgba);
     }
+    let size = plan.display_px;
+    let out = Image {
+        size,
+        rgb: memory.rgb.any(size.x as usize * size.y as usize, [0.0; 3]),
+    };
     if filter.interpolation == Interpolation::Gather {
         let gather = Gather::new(&pass.map, &texels);
-        return by_rows(plan.display_px, |(): &mut (), y, row| gather.row(y, row));
+        let found = by_rows(out, |(): &mut (), y, row| gather.row(y, row));
+        memory.rgba.give(texels.rgba);
+        return found;
     }
-    let inverse = Inverse::new(&pass.map, plan.display_px);
+    let inverse = Inverse::new(&pass.map, size);
     let finer = match &pass.map {
         Map::LogPolar(map) if filter.mips => Finer::new(map, grid(pass)),
         _ => None,
@@ -38,8 +48,8 @@ pub(crate) fn invert(
         None if filter.mips => inverse.densest(),
         _ => 1.0,
     };
-    let levels = texels.chain(most);
-    by_rows(plan.display_px, |scratch: &mut Scratch, y, row| {
+    let levels = texels.chain(most, &mut memory.rgba);
+    let found = by_rows(out, |scratch: &mut Scratch, y, row| {
         let places = inverse.row(simd, y, row.len(), scratch);
         let read = match filter.interpolation {
             Interpolation::Nearest => 1,
@@ -75,18 +85,22 @@ pub(crate) fn invert(
             resolve_fetches: fetches,
             ..Work::default()
         }
-    })
+    });
+    for level in levels {
+        memory.rgba.give(level.rgba);
+    }
+    found
 }
 
-/// An image whose rows `fill` makes, each by its number.
+/// Writes over all rows of an image by what `fill` makes of each number.
 fn by_rows<T: Default>(
-    size: UVec2,
+    mut out: Image,
     fill: impl Fn(&mut T, u32, &mut [[f32; 3]]) -> Work + Sync,
 ) -> (Image, Work) {
-    let mut out = Image::filled(size, [0.0; 3]);
+    let width = out.size.x as usize;
     let works: Vec<Work> = out
         .rgb
-        .par_chunks_mut(size.x as usize)
+        .par_chunks_mut(width)
         .enumerate()
         .map_init(T::default, |scratch, (y, row)| fill(scratch, y as u32, row))
         .collect();

@@ -8,11 +8,12 @@ pub(crate) use surfel::check_position;
 pub use surfel::{Surfel, visibility, visibility_at};
 
 use foveasim_assets::Scene;
-use foveasim_models::{Affine, Image, Map, Msaa, Pass, SamplePlan, View, Visibility, Work};
+use foveasim_models::{
+    Affine, Image, Map, Msaa, Pass, Resolve, SamplePlan, View, Visibility, Work,
+};
 use glam::UVec2;
 use rayon::prelude::*;
 
-use crate::RenderOptions;
 use crate::fragments::{Collect, Fragments, Rates};
 use crate::kernels::{
     Attributes, Details, EdgeSample, RasterizeMoving, RasterizePlaced, RasterizeTile, Rolling,
@@ -38,6 +39,7 @@ use crate::tile::{
     BLOCK, LANES, LaneSet, SampleTile, TILE, TILE_SAMPLES, TileBuffers, position_of, sampled,
 };
 use crate::visible::PassObjects;
+use crate::{FrameMemory, RenderOptions};
 
 /// At how many positions of each sample visibility is found in pass `index`, or in the pass it shares.
 pub(crate) fn msaa(plan: &SamplePlan, index: usize) -> Msaa {
@@ -65,14 +67,6 @@ pub(crate) struct PassSamples {
     pub(crate) all_drawn: bool,
 }
 
-/// Memory of samples that are no longer needed, for others.
-#[derive(Debug, Clone, Default)]
-pub(crate) struct PassMemory {
-    pub(crate) rgb: Vec<[f32; 3]>,
-    pub(crate) inverse_w: Vec<f32>,
-    pub(crate) instance: Vec<u32>,
-}
-
 impl PassSamples {
     /// Of a pass that is not shaded.
     pub(crate) const NONE: Self = Self {
@@ -86,8 +80,7 @@ impl PassSamples {
     };
 }
 
-/// Draws pass `index` of a plan: what each of its samples sees, and the work it took. `memory` is
-/// used for them, where it fits.
+/// Draws pass `index` of a plan: what each of its samples sees, and the work it took.
 pub(crate) fn draw(
     scene: &Scene,
     view: &View,
@@ -99,7 +92,7 @@ pub(crate) fn draw(
     keep_geometry: bool,
     shared: Option<&SharedVisibility>,
     illumination: &Illumination,
-    memory: PassMemory,
+    memory: &mut FrameMemory,
 ) -> (PassSamples, Work) {
     let pass = &plan.passes[index];
     let size = grid(pass);
@@ -118,13 +111,25 @@ pub(crate) fn draw(
     let all_drawn = drawing.live.is_all();
     let occlusion = options.lighting.occlusion;
     let kept = count * usize::from(keep_geometry || occlusion.is_some());
+    // These look up nothing but what is live.
+    let by_owner = matches!(plan.resolve, Resolve::Inverse(_) | Resolve::Mosaic);
+    let dead_are_read = options.keep_passes || !by_owner;
     let mut samples = PassSamples {
         image: Image {
             size,
-            rgb: room(memory.rgb, count, [0.0; 3], all_drawn),
+            rgb: match all_drawn || !dead_are_read {
+                true => memory.rgb.any(count, [0.0; 3]),
+                false => memory.rgb.filled(count, [0.0; 3]),
+            },
         },
-        inverse_w: room(memory.inverse_w, kept, f32::NAN, all_drawn),
-        instance: room(memory.instance, kept, u32::MAX, all_drawn),
+        inverse_w: match all_drawn {
+            true => memory.reals.any(kept, f32::NAN),
+            false => memory.reals.filled(kept, f32::NAN),
+        },
+        instance: match all_drawn {
+            true => memory.names.any(kept, u32::MAX),
+            false => memory.names.filled(kept, u32::MAX),
+        },
         all_drawn,
     };
     let context = ShadeContext::new(scene, view.poses[0], &drawing.projection, options.footprint)
@@ -176,24 +181,11 @@ pub(crate) fn draw(
     if let Some(occlusion) = occlusion {
         work += occlude(&mut samples, pass, view, occlusion);
         if !keep_geometry {
-            (samples.inverse_w, samples.instance) = (Vec::new(), Vec::new());
+            memory.reals.give(std::mem::take(&mut samples.inverse_w));
+            memory.names.give(std::mem::take(&mut samples.instance));
         }
     }
     (samples, work)
-}
-
-/// Room for `count` samples, if possible in the memory of others. What that holds stays where everything is
-/// drawn anyway; else it is made `blank`, which costs as much as a tenth of drawing simple scenes.
-fn room<T: Copy>(mut memory: Vec<T>, count: usize, blank: T, all_drawn: bool) -> Vec<T> {
-    if all_drawn && memory.len() == count {
-        return memory;
-    }
-    if memory.capacity() < count {
-        return vec![blank; count];
-    }
-    memory.clear();
-    memory.resize(count, blank);
-    memory
 }
 
 /// Column and row of each tile, row by row.

@@ -1,12 +1,12 @@
 use foveasim_assets::Scene;
 use foveasim_models::{SamplePlan, Shading, View, Visibility, Work};
 
-use crate::RenderOptions;
-use crate::pass::{PassMemory, PassSamples, draw, find_shared};
+use crate::pass::{PassSamples, draw, find_shared};
 use crate::raster::ViewGeometry;
 use crate::shadow::Illumination;
 use crate::shared::SharedVisibility;
 use crate::visible::{PassObjects, geometry};
+use crate::{FrameMemory, RenderOptions};
 
 /// What was drawn of a plan.
 #[derive(Debug)]
@@ -20,8 +20,7 @@ pub(crate) struct Drawn {
 /// Transforms the vertices of instances and meshes.
 type Transform<'a> = dyn Fn(&[(u32, u32)]) -> ViewGeometry + 'a;
 
-/// Draws the passes of a plan that are `due`, with vertices transformed once for all of them; `memory`
-/// is what the first ones can use.
+/// Draws the passes of a plan that are `due`, with vertices transformed once for all of them.
 pub(crate) fn draw_passes(
     scene: &Scene,
     view: &View,
@@ -29,7 +28,7 @@ pub(crate) fn draw_passes(
     due: &[bool],
     options: &RenderOptions,
     keep_geometry: bool,
-    memory: Vec<PassMemory>,
+    memory: &mut FrameMemory,
 ) -> Drawn {
     let objects = objects_of(plan, due, |k| {
         PassObjects::of(scene, view, plan, k, options)
@@ -78,7 +77,7 @@ pub(crate) fn draw_objects(
     geometry: &Transform<'_>,
     options: &RenderOptions,
     keep_geometry: bool,
-    memory: Vec<PassMemory>,
+    memory: &mut FrameMemory,
 ) -> Drawn {
     let shared = options
         .skip
@@ -86,9 +85,7 @@ pub(crate) fn draw_objects(
         .then(|| geometry(&PassObjects::all(objects.iter().flatten())));
     let mut found: Vec<Option<SharedVisibility>> = objects.iter().map(|_| None).collect();
     let illumination = Illumination::new(scene, view, options);
-    let mut memory = memory.into_iter();
     let passes = objects.iter().enumerate().map(|(k, objects)| {
-        let memory = memory.next().unwrap_or_default();
         let objects = objects.as_ref()?;
         let own;
         let geometry = match &shared {

@@ -1,26 +1,28 @@
 use foveasim_models::{Feather, Image, Resolve, SamplePlan, View, Work};
-use glam::UVec2;
 use rayon::prelude::*;
 
-use crate::chromatic::separate_colours;
+use crate::chromatic::separate;
 use crate::feather::{Layer, ResolveRow, RowScratch};
 use crate::inverse::invert;
 use crate::kernels::dispatch;
 use crate::mosaic::mosaic;
-use crate::{RenderOptions, Simd};
+use crate::{FrameMemory, RenderOptions, Simd};
 
 /// Puts the passes together to the displayed image, with the colours of a lens apart; also gives back the passes, if they are
-/// to be kept. The image is made in the memory of `spare`, where that fits.
+/// to be kept.
 pub(crate) fn resolve(
     view: &View,
     plan: &SamplePlan,
     passes: Vec<Image>,
     options: &RenderOptions,
-    spare: Vec<[f32; 3]>,
+    memory: &mut FrameMemory,
 ) -> (Image, Vec<Image>, Work) {
-    let (image, passes, work) = join(view, plan, passes, options, spare);
+    let (image, mut passes, work) = join(view, plan, passes, options, memory);
+    if !options.keep_passes {
+        passes.drain(..).for_each(|pass| memory.give(pass));
+    }
     let image = match &view.lens {
-        Some(lens) => separate_colours(image, lens),
+        Some(lens) => separate(image, lens, memory),
         None => image,
     };
     (image, passes, work)
@@ -32,38 +34,35 @@ fn join(
     plan: &SamplePlan,
     mut passes: Vec<Image>,
     options: &RenderOptions,
-    spare: Vec<[f32; 3]>,
+    memory: &mut FrameMemory,
 ) -> (Image, Vec<Image>, Work) {
+    let size = plan.display_px;
+    // All of it is written.
+    let room = |memory: &mut FrameMemory| Image {
+        size,
+        rgb: memory.rgb.any(size.x as usize * size.y as usize, [0.0; 3]),
+    };
     match &plan.resolve {
         Resolve::Feather(feather) => {
-            let (image, work) = blend(view, plan, feather, &passes, options.simd, spare);
-            if !options.keep_passes {
-                passes.clear();
-            }
+            let (image, work) = blend(view, plan, feather, &passes, options.simd, room(memory));
             (image, passes, work)
         }
         Resolve::Mosaic => {
-            let (image, work) = mosaic(plan, &passes, room(plan.display_px, spare));
-            if !options.keep_passes {
-                passes.clear();
-            }
+            let (image, work) = mosaic(plan, &passes, room(memory));
             (image, passes, work)
         }
         Resolve::Inverse(filter) => {
             let Some(last) = passes.last() else {
                 unreachable!("a plan without passes does not pass the checks")
             };
-            let (image, work) = invert(plan, filter, last, options.simd);
-            if !options.keep_passes {
-                passes.clear();
-            }
+            let (image, work) = invert(plan, filter, last, options.simd, memory);
             (image, passes, work)
         }
         // The one pass is the image; nothing is interpolated.
         _ => {
             let image = passes.remove(0);
             if options.keep_passes {
-                let mut kept = room(image.size, spare);
+                let mut kept = room(memory);
                 kept.rgb.copy_from_slice(&image.rgb);
                 passes.push(kept);
             }
@@ -76,33 +75,22 @@ fn join(
     }
 }
 
-/// An image of whatever content, in the memory of another where that fits.
-fn room(size: UVec2, mut spare: Vec<[f32; 3]>) -> Image {
-    let pixels = size.x as usize * size.y as usize;
-    if spare.capacity() < pixels {
-        return Image::filled(size, [0.0; 3]);
-    }
-    spare.resize(pixels, [0.0; 3]);
-    Image { size, rgb: spare }
-}
-
-/// Interpolates the passes and blends them by eccentricity.
+/// Interpolates the passes and blends them by eccentricity, over whatever `image` shows.
 fn blend(
     view: &View,
     plan: &SamplePlan,
     feather: &Feather,
     passes: &[Image],
     simd: Simd,
-    spare: Vec<[f32; 3]>,
+    mut image: Image,
 ) -> (Image, Work) {
-    let size = plan.display_px;
+    let size = image.size;
     let layers: Vec<Layer<'_>> = plan
         .passes
         .iter()
         .zip(passes)
         .map(|(p, image)| Layer::new(p.lattice, p.map, image, size.x))
         .collect();
-    let mut image = room(size, spare);
     let works: Vec<Work> = image
         .rgb
         .par_chunks_mut(size.x as usize)
@@ -129,6 +117,7 @@ fn blend(
 #[cfg(test)]
 mod tests {
     use foveasim_models::{Eye, Pose, Viewport};
+    use glam::UVec2;
 
     use super::*;
 
@@ -145,7 +134,7 @@ mod tests {
             &plan,
             vec![pass],
             &RenderOptions::default(),
-            Vec::new(),
+            &mut FrameMemory::default(),
         );
         assert_eq!(image.rgb.as_ptr(), memory);
         assert!(kept.is_empty());

@@ -7,7 +7,7 @@ use crate::passes::{Drawn, draw_objects, objects_of};
 use crate::project::Optics;
 use crate::raster::ViewGeometry;
 use crate::visible::PassObjects;
-use crate::{Frame, RenderError, RenderOptions, frame};
+use crate::{Frame, FrameMemory, RenderError, RenderOptions, frame};
 
 /// One moment as both eyes see it.
 #[derive(Debug, Clone, PartialEq)]
@@ -139,7 +139,9 @@ impl Stereo<'_> {
             shared.vertices = head.vertices.len() as u64;
             head
         });
-        let [left, right] = [0, 1].map(|eye| self.eye(eye, &objects[eye], head.as_ref()));
+        let mut memory = FrameMemory::default();
+        let [left, right] =
+            [0, 1].map(|eye| self.eye(eye, &objects[eye], head.as_ref(), &mut memory));
         work += left.work;
         work += right.work;
         StereoFrame {
@@ -162,6 +164,7 @@ impl Stereo<'_> {
         eye: usize,
         objects: &[Option<PassObjects>],
         head: Option<&ViewGeometry>,
+        memory: &mut FrameMemory,
     ) -> Frame {
         let (view, plan) = (self.views[eye], self.plans[eye]);
         let optics = Optics::new(&view.optics);
@@ -181,21 +184,13 @@ impl Stereo<'_> {
             &geometry,
             self.options,
             false,
-            Vec::new(),
+            memory,
         );
         let (mut images, mut pass_work): (Vec<Image>, Vec<Work>) = (Vec::new(), Vec::new());
         for (samples, work) in passes.into_iter().flatten() {
             images.push(samples.image);
             pass_work.push(work);
         }
-        frame::put_together(
-            view,
-            plan,
-            images,
-            pass_work,
-            shared,
-            self.options,
-            Vec::new(),
-        )
+        frame::put_together(view, plan, images, pass_work, shared, self.options, memory)
     }
 }

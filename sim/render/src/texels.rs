@@ -2,6 +2,11 @@ use foveasim_models::{Image, Region};
 use glam::UVec2;
 use rayon::prelude::*;
 
+use crate::memory::Pool;
+
+/// Where no sample is live.
+const DEAD: [f32; 4] = [0.0; 4];
+
 /// A pass as reconstruction reads it: colours, and 1 in the fourth place where a sample is live; else
 /// nothing but zeros.
 #[derive(Debug, Clone)]
@@ -13,9 +18,14 @@ pub(crate) struct Texels {
 }
 
 impl Texels {
-    pub(crate) fn new(image: &Image, region: &Region, wraps: bool) -> Self {
+    pub(crate) fn new(
+        image: &Image,
+        region: &Region,
+        wraps: bool,
+        memory: &mut Pool<[f32; 4]>,
+    ) -> Self {
         let size = image.size;
-        let mut rgba = vec![[0.0; 4]; image.rgb.len()];
+        let mut rgba = memory.any(image.rgb.len(), DEAD);
         let rows = rgba.par_chunks_mut(size.x.max(1) as usize);
         let from = image.rgb.par_chunks(size.x.max(1) as usize);
         rows.zip(from).enumerate().for_each(|(y, (out, row))| {
@@ -24,14 +34,17 @@ impl Texels {
                 Region::Spans(spans) => {
                     let live = spans.row(y as u32);
                     let live = live.start as usize..live.end as usize;
+                    out[..live.start].fill(DEAD);
+                    out[live.end..].fill(DEAD);
                     for (out, rgb) in out[live.clone()].iter_mut().zip(&row[live]) {
                         copy(out, *rgb);
                     }
                 }
                 _ => {
                     for (x, (out, rgb)) in out.iter_mut().zip(row).enumerate() {
-                        if region.is_live(UVec2::new(x as u32, y as u32)) {
-                            copy(out, *rgb);
+                        match region.is_live(UVec2::new(x as u32, y as u32)) {
+                            true => copy(out, *rgb),
+                            false => *out = DEAD,
                         }
                     }
                 }
@@ -64,7 +77,7 @@ impl Texels {
 
     /// These, and halved copies down to where `density` samples of the first have become one along each side, or to
     /// one texel.
-    pub(crate) fn chain(self, density: f32) -> Vec<Self> {
+    pub(crate) fn chain(self, density: f32, memory: &mut Pool<[f32; 4]>) -> Vec<Self> {
         let mut levels = vec![self];
         let mut left = density;
         while left > 1.0 {
@@ -72,7 +85,7 @@ impl Texels {
             if last.size.max_element() <= 1 {
                 break;
             }
-            let half = last.halved();
+            let half = last.halved(memory);
             levels.push(half);
             left /= 2.0;
         }
@@ -80,9 +93,9 @@ impl Texels {
     }
 
     /// Means of the live ones of two by two texels; a last row or column may stand alone.
-    fn halved(&self) -> Self {
+    fn halved(&self, memory: &mut Pool<[f32; 4]>) -> Self {
         let size = (self.size + 1) / 2;
-        let mut rgba = vec![[0.0; 4]; size.x as usize * size.y as usize];
+        let mut rgba = memory.any(size.x as usize * size.y as usize, DEAD);
         let rows = rgba.par_chunks_mut(size.x.max(1) as usize).enumerate();
         rows.for_each(|(y, row)| {
             for (x, out) in row.iter_mut().enumerate() {
@@ -91,6 +104,7 @@ impl Texels {
                 let of = [(x, y), (ends.x, y), (x, ends.y), (ends.x, ends.y)];
                 let of = of.map(|(x, y)| self.at(x, y));
                 let Some(own) = of.into_iter().find(|t| t[3] != 0.0) else {
+                    *out = DEAD;
                     continue;
                 };
                 let mut sum = Sum::around(own);
@@ -109,10 +123,12 @@ impl Texels {
     }
 
     /// The texels from column `first` on smoothed by (1 2 1)·(1 2 1)/16, of live neighbours only.
-    pub(crate) fn smoothed(&self, first: u32) -> Self {
-        let mut rgba = self.rgba.clone();
+    pub(crate) fn smoothed(&self, first: u32, memory: &mut Pool<[f32; 4]>) -> Self {
+        let mut rgba = memory.any(self.rgba.len(), DEAD);
         let width = self.size.x.max(1) as usize;
         rgba.par_chunks_mut(width).enumerate().for_each(|(y, row)| {
+            let begin = y * width;
+            row.copy_from_slice(&self.rgba[begin..begin + row.len()]);
             let rows = [-1, 0, 1].map(|d| self.row_at(y as i64 + d));
             for (x, out) in row.iter_mut().enumerate().skip(first as usize) {
                 if out[3] == 0.0 {

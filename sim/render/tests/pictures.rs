@@ -10,7 +10,9 @@ use foveasim_models::foveation::{Method, Request};
 use foveasim_models::{
     Acuity, Eye, Feather, GazeDirection, Image, Pose, Resolve, SamplePlan, View, Viewport,
 };
-use foveasim_render::{Frame, RenderError, RenderOptions, Simd, render, render_into, visibility};
+use foveasim_render::{
+    Frame, FrameMemory, RenderError, RenderOptions, Simd, render, render_into, visibility,
+};
 use glam::{DVec2, DVec3, UVec2};
 
 fn bits(image: &Image) -> Vec<u32> {
@@ -67,24 +69,73 @@ fn scalar_and_vector_and_any_threads_agree_to_the_bit() {
     }
 }
 
+/// Plans of every kind of resolve, looked at from `gaze`.
+fn plans(view: &View, gaze: GazeDirection) -> Vec<SamplePlan> {
+    let request = Request {
+        eye: Eye::Cyclopean,
+        viewport: view.optics,
+        acuity: Acuity::default(),
+        gaze,
+        ahead: GazeDirection::AHEAD,
+        margin_deg: 0.0,
+    };
+    let methods = [
+        "full",
+        "layers:3",
+        "rates",
+        "kfr:2:4",
+        "radial:2",
+        "radial:2:filter=gather",
+        "kfr:2:4:filter=cubic:smooth",
+    ];
+    let plan = |method: &str| method.parse::<Method>()?.plan(&request);
+    methods.map(|method| plan(method).unwrap()).into()
+}
+
 #[test]
-fn memory_of_another_image_leaves_no_trace() {
+fn memory_of_other_frames_leaves_no_trace() {
+    let scene = study_scene(1);
+    let options = RenderOptions::default();
+    let mut memory = FrameMemory::default();
+    for size in [UVec2::ZERO, UVec2::new(150, 90), UVec2::new(400, 300)] {
+        memory.give(Image::filled(size, [f32::NAN; 3]));
+    }
+    // Each after others of the same and of other sizes, and of another gaze.
+    for (width, height, azimuth) in [(150, 90, 0.0), (210, 90, 8.0), (150, 90, -12.0)] {
+        let view = study_view(width, height);
+        let gaze = GazeDirection::new(azimuth, 5.0);
+        for plan in plans(&view, gaze) {
+            let fresh = render(&scene, &view, &plan, &options).unwrap();
+            let again = render_into(&scene, &view, &plan, &options, &mut memory).unwrap();
+            assert_same(&fresh, &again, &plan.method);
+            let mut wrong = again.image;
+            wrong.rgb.fill([f32::NAN; 3]);
+            memory.give(wrong);
+        }
+    }
+}
+
+#[test]
+fn passes_are_kept_alike_in_used_memory() {
     let scene = study_scene(1);
     let view = study_view(150, 90);
-    let options = RenderOptions::default();
-    let full = SamplePlan::full(Eye::Cyclopean, view.optics.size);
-    let two = layers(&view, DVec2::new(70.0, 40.0), &[(1.0, 20.0), (2.0, 0.0)]);
-    for plan in [full, two] {
-        let fresh = render(&scene, &view, &plan, &options).unwrap();
-        for size in [
-            UVec2::ZERO,
-            UVec2::new(150, 90),
-            UVec2::new(90, 150),
-            UVec2::new(400, 300),
-        ] {
-            let spare = Image::filled(size, [f32::NAN; 3]);
-            let again = render_into(&scene, &view, &plan, &options, spare).unwrap();
-            assert_same(&fresh, &again, "in used memory");
+    let keep = RenderOptions {
+        keep_passes: true,
+        ..RenderOptions::default()
+    };
+    let mut memory = FrameMemory::default();
+    for plan in plans(&view, GazeDirection::AHEAD) {
+        let fresh = render(&scene, &view, &plan, &keep).unwrap();
+        for _ in 0..2 {
+            let again = render_into(&scene, &view, &plan, &keep, &mut memory).unwrap();
+            assert_same(&fresh, &again, &plan.method);
+            for (a, b) in fresh.passes.iter().zip(&again.passes) {
+                assert!(bits(a) == bits(b), "{}", plan.method);
+            }
+            for mut image in again.passes.into_iter().chain([again.image]) {
+                image.rgb.fill([f32::NAN; 3]);
+                memory.give(image);
+            }
         }
     }
 }

@@ -144,6 +144,7 @@ mod tests {
 
     use super::*;
     use crate::kernels::dispatch;
+    use crate::memory::Pool;
 
     /// Catmull-Rom in double precision, by Keys' kernel over the plane.
     fn oracle(image: &Image, x: f64, y: f64) -> f64 {
@@ -189,7 +190,12 @@ mod tests {
         for rgb in &mut image.rgb {
             *rgb = [random.uniform() as f32; 3];
         }
-        let texels = [Texels::new(&image, &Region::All, false)];
+        let texels = [Texels::new(
+            &image,
+            &Region::All,
+            false,
+            &mut Pool::default(),
+        )];
         let places: Vec<[f32; 2]> = (0..500)
             .map(|_| {
                 [
@@ -209,7 +215,12 @@ mod tests {
         for (k, rgb) in image.rgb.iter_mut().enumerate() {
             *rgb = [(k as u32 % 16) as f32 * 0.25 + (k as u32 / 16) as f32 * 0.5; 3];
         }
-        let texels = [Texels::new(&image, &Region::All, false)];
+        let texels = [Texels::new(
+            &image,
+            &Region::All,
+            false,
+            &mut Pool::default(),
+        )];
         for ([x, y], found) in places
             .iter()
             .zip(fetch(&texels, &places, 1.0, crate::Simd::Auto))
@@ -226,7 +237,8 @@ mod tests {
         for (k, rgb) in image.rgb.iter_mut().enumerate() {
             *rgb = [(k % 64) as f32 + (k / 64) as f32 * 2.0; 3];
         }
-        let levels = Texels::new(&image, &Region::All, false).chain(9.0);
+        let levels = Texels::new(&image, &Region::All, false, &mut Pool::default())
+            .chain(9.0, &mut Pool::default());
         assert_eq!(levels.len(), 5);
         let places = [[32.0, 30.5], [33.7, 29.1]];
         for density in [0.2, 1.0, 1.5, 2.0, 3.9, 7.5] {

@@ -2,10 +2,8 @@ use std::sync::Arc;
 
 use foveasim_assets::{Scene, Similarity, Sun};
 use foveasim_models::{Image, Pass, View};
-use glam::UVec2;
 
 use crate::kernels::Before;
-use crate::pass::PassMemory;
 
 /// The last image of a pass, and what it shows.
 #[derive(Debug, Clone)]
@@ -20,8 +18,6 @@ pub(super) struct History {
     pub(super) image: Image,
     /// What is known of each sample; empty without reprojection.
     pub(super) past: Past,
-    /// Memory for the next image.
-    pub(super) spare: Spare,
 }
 
 /// What samples know besides their colours.
@@ -33,28 +29,6 @@ pub(super) struct Past {
     pub(super) nearest: Vec<f32>,
     /// Whether there is no sample where nothing was drawn.
     pub(super) all_drawn: bool,
-}
-
-/// Memory of images that are no longer needed.
-#[derive(Debug, Clone, Default)]
-pub(super) struct Spare {
-    pub(super) rgb: Vec<[f32; 3]>,
-    pub(super) past: Past,
-    pub(super) samples: PassMemory,
-}
-
-impl Spare {
-    /// Room for an image of `size`, whatever is in it.
-    pub(super) fn take(self, size: UVec2) -> (Image, Past) {
-        let Self {
-            mut rgb, mut past, ..
-        } = self;
-        let samples = size.x as usize * size.y as usize;
-        rgb.resize(samples, [0.0; 3]);
-        past.length.resize(samples, 0.0);
-        past.nearest.resize(samples, 0.0);
-        (Image { size, rgb }, past)
-    }
 }
 
 impl History {

@@ -1,15 +1,15 @@
 use std::sync::Arc;
 
-use foveasim_models::{Pass, View, Work};
+use foveasim_models::{Image, Pass, View, Work};
 use glam::DVec2;
 use rayon::prelude::*;
 
-use super::history::{History, Placed, Spare};
+use super::history::{History, Past, Placed};
 use super::motion::Motion;
 use super::{Clamp, Interpolation, TemporalOptions};
-use crate::Simd;
 use crate::kernels::{Centre, ReprojectRow, ReprojectScratch, Source, dispatch};
-use crate::pass::{PassMemory, PassSamples};
+use crate::pass::PassSamples;
+use crate::{FrameMemory, Simd};
 
 /// Blends new samples of a pass with its history, if there is one, and gives what is to be kept. The
 /// samples were taken `offset` beside the middles of their cells.
@@ -23,17 +23,22 @@ pub(super) fn reproject(
     before: Option<History>,
     options: &TemporalOptions,
     simd: Simd,
+    memory: &mut FrameMemory,
 ) -> (History, Work) {
     let (pass, view, placed) = now;
     let samples = leave_out_dead(samples);
     let all_drawn = samples.all_drawn;
     let size = samples.image.size;
-    let (mut before, mut spare) = (before, Spare::default());
-    if let Some(before) = &mut before {
-        spare = std::mem::take(&mut before.spare);
-    }
-    let (mut image, mut past) = spare.take(size);
-    past.all_drawn = all_drawn;
+    let count = samples.image.rgb.len();
+    let mut image = Image {
+        size,
+        rgb: memory.rgb.any(count, [0.0; 3]),
+    };
+    let mut past = Past {
+        length: memory.reals.any(count, 0.0),
+        nearest: memory.reals.any(count, 0.0),
+        all_drawn,
+    };
     let motion = before
         .as_ref()
         .filter(|b| !is_still((&pass, &view, &placed), b))
@@ -88,24 +93,21 @@ pub(super) fn reproject(
     for row in works {
         work += row;
     }
-    // The buffers that the next frame writes: fresh memory would cost as much as the blending.
-    let (rgb, past_before) = before.map_or_else(Default::default, |b| (b.image.rgb, b.past));
-    let spare = Spare {
-        rgb,
-        past: past_before,
-        samples: PassMemory {
-            rgb: samples.image.rgb,
-            inverse_w: samples.inverse_w,
-            instance: samples.instance,
-        },
-    };
+    // For the next frame: fresh memory would cost as much as the blending.
+    if let Some(before) = before {
+        memory.give(before.image);
+        memory.reals.give(before.past.length);
+        memory.reals.give(before.past.nearest);
+    }
+    memory.give(samples.image);
+    memory.reals.give(samples.inverse_w);
+    memory.names.give(samples.instance);
     let history = History {
         pass,
         view,
         placed,
         image,
         past,
-        spare,
     };
     (history, work)
 }
@@ -135,7 +137,7 @@ fn leave_out_dead(mut samples: PassSamples) -> PassSamples {
 #[cfg(test)]
 mod tests {
     use foveasim_assets::{Mesh, Scene, Sky, Sun, Vertex};
-    use foveasim_models::{CellMask, Eye, Image, Pose, Region, SamplePlan, Viewport};
+    use foveasim_models::{CellMask, Eye, Pose, Region, SamplePlan, Viewport};
     use glam::{DVec3, UVec2};
 
     use super::*;
@@ -207,6 +209,7 @@ mod tests {
                 before,
                 &options,
                 Simd::Auto,
+                &mut FrameMemory::default(),
             )
         };
         let (first, work) = draw(1.0, 10, at(0.0), None);

@@ -4,14 +4,14 @@ use foveasim_assets::Scene;
 use foveasim_models::{Image, Map, Pass, SamplePlan, View, Work};
 use glam::{DVec2, UVec2};
 
-use super::history::{History, Past, Placed, Spare};
+use super::history::{History, Past, Placed};
 use super::reproject::reproject;
 use super::{TemporalOptions, jitter};
 use crate::check::check;
 use crate::moving::Warp;
 use crate::pass::PassSamples;
 use crate::passes::draw_passes;
-use crate::{Frame, RenderError, RenderOptions, resolve};
+use crate::{Frame, FrameMemory, RenderError, RenderOptions, resolve};
 
 /// Draws frames that follow one another, and keeps of each pass what the next frame can use.
 ///
@@ -44,6 +44,7 @@ use crate::{Frame, RenderError, RenderOptions, resolve};
 pub struct Sequence {
     options: TemporalOptions,
     previous: Option<Previous>,
+    memory: FrameMemory,
 }
 
 /// What is left of the frame before.
@@ -62,6 +63,7 @@ impl Sequence {
         Self {
             options,
             previous: None,
+            memory: FrameMemory::default(),
         }
     }
 
@@ -95,8 +97,9 @@ impl Sequence {
         self.draw_into(scene, view, plan, frame, options, nothing)
     }
 
-    /// As [`draw`](Self::draw), with the image in the memory of `spare` where that fits: one that is no
-    /// longer needed, of whatever content, as for [`render_into`](crate::render_into).
+    /// As [`draw`](Self::draw), with the memory of `spare`, an image that is no longer needed, of whatever size and
+    /// content. A sequence keeps the [memory](FrameMemory) of its frames but for their images: who gives each back
+    /// when it was shown lets frames be drawn without any new one.
     ///
     /// # Errors
     /// As [`draw`](Self::draw).
@@ -144,11 +147,7 @@ impl Sequence {
         if self.options.jitter && self.options.reproject {
             options.footprint *= self.options.footprint;
         }
-        let memory = histories.iter_mut().zip(&waits).map(|(history, waits)| {
-            let history = history.as_mut().filter(|_| !waits);
-            history.map_or_else(Default::default, |h| std::mem::take(&mut h.spare.samples))
-        });
-        let memory = memory.collect();
+        self.memory.give(spare);
         let drawn = draw_passes(
             scene,
             view,
@@ -156,7 +155,7 @@ impl Sequence {
             &due,
             &options,
             self.options.reproject,
-            memory,
+            &mut self.memory,
         );
         let mut pass_work = Vec::new();
         for ((pass, history), new) in plan.passes.iter().zip(&mut histories).zip(drawn.passes) {
@@ -177,7 +176,7 @@ impl Sequence {
             pass_work.push(work);
         }
         let shown: Vec<History> = histories.into_iter().flatten().collect();
-        let mut frame = self.put_together(view, plan, placed, shown, pass_work, &options, spare);
+        let mut frame = self.put_together(view, plan, placed, shown, pass_work, &options);
         frame.work += drawn.shared;
         Ok(frame)
     }
@@ -206,7 +205,7 @@ impl Sequence {
 
     /// Blends new samples of a pass with its history, if the sequence does so.
     fn blend(
-        &self,
+        &mut self,
         samples: PassSamples,
         view: &View,
         pass: &Pass,
@@ -227,7 +226,11 @@ impl Sequence {
                 before,
                 &self.options,
                 options.simd,
+                &mut self.memory,
             );
+        }
+        if let Some(before) = before {
+            self.memory.give(before.image);
         }
         let PassSamples { image, .. } = samples;
         let (pass, view, placed) = now;
@@ -237,7 +240,6 @@ impl Sequence {
             placed,
             image,
             past: Past::default(),
-            spare: Spare::default(),
         };
         (history, Work::default())
     }
@@ -251,7 +253,6 @@ impl Sequence {
         mut shown: Vec<History>,
         pass_work: Vec<Work>,
         options: &RenderOptions,
-        spare: Image,
     ) -> Frame {
         plan.passes = shown.iter().map(|h| h.pass.clone()).collect();
         let images = shown
@@ -263,7 +264,7 @@ impl Sequence {
             ..*options
         };
         let (image, mut images, mut work) =
-            resolve::resolve(view, &plan, images.collect(), &keep, spare.rgb);
+            resolve::resolve(view, &plan, images.collect(), &keep, &mut self.memory);
         for pass in &pass_work {
             work += *pass;
         }

@@ -88,6 +88,17 @@ impl CellMask {
         &self.live[first..first + across]
     }
 
+    /// First sample of the least box that holds all live ones, and one past its last; `None` if none is live.
+    pub fn bounds(&self) -> Option<[UVec2; 2]> {
+        let across = cells(self.lattice, self.cell).x as usize;
+        let live = self.live.iter().enumerate().filter(|(_, live)| **live);
+        let places = live.map(|(k, _)| UVec2::new((k % across) as u32, (k / across) as u32));
+        let (low, high) = places.fold((UVec2::MAX, UVec2::ZERO), |(low, high), place| {
+            (low.min(place), high.max(place + 1))
+        });
+        (high != UVec2::ZERO).then(|| [low, high].map(|b| (b * self.cell).min(self.lattice)))
+    }
+
     /// How many samples are live.
     pub fn samples(&self) -> u64 {
         let across = cells(self.lattice, self.cell).x as usize;
@@ -122,6 +133,10 @@ mod tests {
         assert!(mask.is_live(UVec2::new(9, 6)) && !mask.is_live(UVec2::new(4, 0)));
         assert_eq!(mask.row(2), [true, false, true]);
         assert_eq!(mask.row(3), [false, true, false]);
+        assert_eq!(mask.bounds(), Some([UVec2::ZERO, lattice]));
+        let one = CellMask::new(lattice, UVec2::new(4, 3), |c| c == UVec2::new(2, 1));
+        assert_eq!(one.bounds(), Some([UVec2::new(8, 3), UVec2::new(10, 6)]));
+        assert_eq!(CellMask::new(lattice, UVec2::ONE, |_| false).bounds(), None);
         assert_eq!(CellMask::new(UVec2::ZERO, lattice, |_| true).samples(), 0);
     }
 }

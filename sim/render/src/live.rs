@@ -2,7 +2,8 @@ use foveasim_models::{Affine, Feather, Lattice, Map, Pass, Region, Resolve, Samp
 use foveasim_models::{Viewport, Work};
 use glam::{DVec2, DVec3, UVec2};
 
-use crate::tile::{BLOCK, BLOCKS_ACROSS, LANES, LaneSet, SampleTile, TILE, position_of};
+use crate::RenderOptions;
+use crate::tile::{BLOCK, BLOCKS_ACROSS, LANES, LaneSet, SampleTile, TILE, position_of, sampled};
 
 /// Which samples of a pass are drawn.
 #[derive(Debug)]
@@ -65,6 +66,17 @@ impl<'a> Live<'a> {
             hidden.clear(tile, valid);
             work.samples_hidden += live - samples(valid);
         }
+    }
+}
+
+/// First sample of the least box that holds all live ones of a pass, and one past its last: beyond it, nothing is drawn. Of
+/// passes whose samples do not lie evenly, all `size` positions of their projection.
+pub(crate) fn live_box(pass: &Pass, size: UVec2, options: &RenderOptions) -> [UVec2; 2] {
+    match (&pass.region, sampled(pass)) {
+        (Region::Cells(mask), Map::Affine(_)) if options.skip.outside => {
+            mask.bounds().unwrap_or([UVec2::ZERO; 2])
+        }
+        _ => [UVec2::ZERO, size],
     }
 }
 

@@ -88,6 +88,8 @@ struct Part<'a> {
     image: &'a Image,
     /// The first pixel of a row that the lattice reaches.
     first_px: u32,
+    /// Whether each sample is a pixel along x.
+    has_pixels: bool,
     /// For it and those after it that the lattice reaches.
     columns: Vec<Beside>,
 }
@@ -107,12 +109,14 @@ impl<'a> Part<'a> {
             live,
             image,
             first_px: 0,
+            has_pixels: false,
             columns: Vec::new(),
         };
         let first = (0..width).find(|&x| part.beside(0, x).is_some());
         part.first_px = first.unwrap_or(width);
         let reached = (part.first_px..width).map_while(|x| part.beside(0, x));
         part.columns = reached.collect();
+        part.has_pixels = map.scale.x == 1.0 && part.columns.iter().all(|h| h.share == 0.0);
         part
     }
 
@@ -172,18 +176,64 @@ impl<'a> Part<'a> {
         // Owners do not fall from pixel to pixel.
         let place = |sample: u32| self.columns.partition_point(|h| h.owner < sample);
         let pixels = place(samples.start)..place(samples.end);
-        let line = |y: u32| {
-            let first = y as usize * self.size.x as usize;
-            &self.image.rgb[first..first + self.size.x as usize]
-        };
-        let [own, upper, lower] = [v.owner, v.low, v.high].map(line);
-        let mut fetches = 0;
-        let columns = self.columns[pixels.clone()].iter();
+        let columns = &self.columns[pixels.clone()];
         let first = self.first_px as usize;
-        for (out, h) in row[first + pixels.start..first + pixels.end]
-            .iter_mut()
-            .zip(columns)
-        {
+        let row = &mut row[first + pixels.start..first + pixels.end];
+        let (Some(begin), true) = (columns.first(), v.share == 0.0 && self.has_pixels) else {
+            return self.blend(v, samples, whole, row, columns);
+        };
+        let begin = begin.owner as usize;
+        row.copy_from_slice(&self.line(v.owner)[begin..begin + row.len()]);
+        row.len() as u64
+    }
+
+    /// The same of pixels between samples.
+    fn blend(
+        &self,
+        v: &Beside,
+        samples: Range<u32>,
+        whole: [bool; 2],
+        row: &mut [[f32; 3]],
+        columns: &[Beside],
+    ) -> u64 {
+        // What is surely live, and what has to be asked for.
+        let inner = match whole {
+            [true, true] => {
+                let begin = columns.partition_point(|h| h.low < samples.start);
+                let end = columns.partition_point(|h| h.high < samples.end);
+                begin..end.max(begin)
+            }
+            _ => 0..0,
+        };
+        let [upper, lower] = [v.low, v.high].map(|y| self.line(y));
+        let both = row[inner.clone()].iter_mut().zip(&columns[inner.clone()]);
+        let mut fetches = 0;
+        for (out, h) in both {
+            let [low, high] = [h.low, h.high].map(|x| x as usize);
+            let taps = [upper[low], upper[high], lower[low], lower[high]];
+            let is_one = h.share == 0.0 && v.share == 0.0;
+            fetches += if is_one { 1 } else { 4 };
+            *out = between(taps, h.share, v.share);
+        }
+        for outer in [0..inner.start, inner.end..columns.len()] {
+            fetches +=
+                self.blend_edge(v, &samples, whole, &mut row[outer.clone()], &columns[outer]);
+        }
+        fetches
+    }
+
+    /// The same of pixels of which some samples may not be live: the owner stands for those.
+    fn blend_edge(
+        &self,
+        v: &Beside,
+        samples: &Range<u32>,
+        whole: [bool; 2],
+        row: &mut [[f32; 3]],
+        columns: &[Beside],
+    ) -> u64 {
+        let [own, upper, lower] = [v.owner, v.low, v.high].map(|y| self.line(y));
+        let mut fetches = 0;
+        for (out, h) in row.iter_mut().zip(columns) {
             let owner = own[h.owner as usize];
             if h.share == 0.0 && v.share == 0.0 {
                 fetches += 1;
@@ -198,22 +248,32 @@ impl<'a> Part<'a> {
                     owner
                 }
             };
-            let (a, b) = (
+            let taps = [
                 tap(upper, h.low, v.low, whole[0]),
                 tap(upper, h.high, v.low, whole[0]),
-            );
-            let (c, d) = (
                 tap(lower, h.low, v.high, whole[1]),
                 tap(lower, h.high, v.high, whole[1]),
-            );
-            *out = std::array::from_fn(|i| {
-                let upper = a[i] + h.share * (b[i] - a[i]);
-                let lower = c[i] + h.share * (d[i] - c[i]);
-                upper + v.share * (lower - upper)
-            });
+            ];
+            *out = between(taps, h.share, v.share);
         }
         fetches
     }
+
+    /// A row of samples.
+    fn line(&self, y: u32) -> &[[f32; 3]] {
+        let first = y as usize * self.size.x as usize;
+        &self.image.rgb[first..first + self.size.x as usize]
+    }
+}
+
+/// Between the two samples of an upper row and the two below, by the share of the second and of the lower.
+#[inline(always)]
+fn between([a, b, c, d]: [[f32; 3]; 4], across: f32, down: f32) -> [f32; 3] {
+    std::array::from_fn(|i| {
+        let upper = a[i] + across * (b[i] - a[i]);
+        let lower = c[i] + across * (d[i] - c[i]);
+        upper + down * (lower - upper)
+    })
 }
 
 #[cfg(test)]

@@ -19,7 +19,7 @@ use crate::kernels::{
     Attributes, Details, EdgeSample, RasterizeMoving, RasterizePlaced, RasterizeTile, Rolling,
     ShadeContext, ShadeTile, TileBlocks, dispatch,
 };
-use crate::live::{Live, grid};
+use crate::live::{Live, grid, live_box};
 use crate::moving::{
     Counts, MovingAttributes, MovingSetUp, MovingTriangles, Outlines, Target, find_blocks,
     set_up_moving,
@@ -359,6 +359,7 @@ impl<'a> Drawing<'a> {
                     projection: &projection,
                     options,
                     reach: reach(pass, msaa),
+                    drawn: live_box(pass, projection.size, options),
                 };
                 let order = objects.in_geometry(geometry);
                 let (triangles, mut work) = set_up(&pass_set_up, &order);

@@ -4,7 +4,7 @@ use glam::{DVec2, DVec3, UVec2};
 use rayon::prelude::*;
 
 use crate::bvh::{Aabb, Bvh};
-use crate::live::{Live, grid};
+use crate::live::{Live, grid, live_box};
 use crate::moving::{Warp, trace_moving};
 use crate::msaa::offsets;
 use crate::pass::{check_position, projection, reach};
@@ -65,6 +65,7 @@ pub fn trace(
         projection: &projection,
         options: &options,
         reach: reach(&plan.passes[pass], msaa),
+        drawn: live_box(&plan.passes[pass], projection.size, &options),
     };
     let (triangles, _) = set_up(&pass_set_up, &objects.in_geometry(&geometry));
     let triangles: Vec<SetUpTriangle> = triangles.iter().copied().collect();

@@ -1,14 +1,16 @@
 use foveasim_assets::{Detail, LodRule, Scene};
 use foveasim_models::math::sqrt;
-use foveasim_models::{Pose, Resolve, SamplePlan, View, Viewport, Work};
+use foveasim_models::{Affine, Map, Pass, Pose, Resolve, SamplePlan, View, Viewport, Work};
 use glam::{DVec2, DVec3};
 
 use crate::RenderOptions;
+use crate::live::live_box;
 use crate::moving::Warp;
 use crate::pass::projection;
 use crate::placement::Placement;
 use crate::project::{Optics, Projection};
 use crate::raster::{Bounds, ViewGeometry, bounds, bounds_at};
+use crate::tile::sampled;
 
 /// The instances that may be visible in a pass, each with the mesh drawn for it: nearest first, so that
 /// what hides comes before what is hidden.
@@ -27,6 +29,8 @@ struct Sight<'a> {
     view: &'a View,
     eye_from_world: Pose,
     projection: Projection,
+    /// Onto what is drawn of it; `None` if nothing is.
+    drawn: Option<Projection>,
     placement: Option<Placement>,
     /// What is seen at most of a bent display, and from where at a scan's end.
     widest: Option<(Projection, Pose)>,
@@ -42,14 +46,17 @@ impl<'a> Sight<'a> {
         options: &RenderOptions,
     ) -> Self {
         let warp = Warp::of(scene, view, options);
+        let of_pass = &plan.passes[pass];
+        let projection = projection(view, of_pass, options);
         Self {
             view,
+            drawn: drawn(view, of_pass, &projection, options),
             widest: warp.map(|warp| {
                 let widest = warp.widest(view, options.near_m);
                 (widest, view.poses[1].inverse())
             }),
             eye_from_world: view.poses[0].inverse(),
-            projection: projection(view, &plan.passes[pass], options),
+            projection,
             placement: Placement::of(plan, pass, warp),
             // The outermost of several layers has a curve of its own; parts of a mosaic are no layers.
             outermost: matches!(plan.resolve, Resolve::Feather(_))
@@ -101,7 +108,11 @@ fn choose(
         for pass in shown {
             let at = bounds(scene, index, mesh, pass.eye_from_world);
             match &pass.widest {
-                None => missed &= pass.projection.sides_missed(at.centre, at.radius),
+                None => {
+                    let drawn = pass.drawn.as_ref();
+                    missed &=
+                        drawn.map_or(u8::MAX, |drawn| drawn.sides_missed(at.centre, at.radius));
+                }
                 // Beyond a side at the start and at the end is beyond it in between, where corners move straight.
                 Some((widest, end)) => {
                     let placed = scene.world_from_object_at_end(index);
@@ -205,6 +216,28 @@ impl PassObjects {
             .filter_map(|wanted| find(wanted).map(|place| order[place]))
             .collect()
     }
+}
+
+/// The projection onto what is drawn of a pass, whose own is `projection`.
+fn drawn(
+    view: &View,
+    pass: &Pass,
+    projection: &Projection,
+    options: &RenderOptions,
+) -> Option<Projection> {
+    let Map::Affine(map) = sampled(pass) else {
+        return Some(*projection);
+    };
+    let [first, end] = live_box(pass, projection.size, options);
+    if first.cmpge(end).any() {
+        return None;
+    }
+    let map = Affine {
+        origin: map.display_from_lattice(first.as_dvec2()),
+        ..map
+    };
+    let size = end - first;
+    Some(Projection::new(&view.optics, &map, size, options.near_m))
 }
 
 /// The least step between samples \[px\] where anything within these bounds may be seen: a point of

@@ -85,10 +85,12 @@ impl SetUpEight<'_, '_> {
         let x1 = (high_x + last_sample) >> bits;
         let y0 = (low_y + first_sample) >> bits;
         let y1 = (high_y + last_sample) >> bits;
-        let size = projection.size;
-        let last_x = x1.min(i32x8::splat(simd, size.x as i32 - 1));
-        let last_y = y1.min(i32x8::splat(simd, size.y as i32 - 1));
-        let hits = x0.simd_le(last_x) & y0.simd_le(last_y) & x1.simd_ge(0) & y1.simd_ge(0);
+        let [begin, end] = self.emitter.pass.drawn.map(|place| place.as_ivec2());
+        let (first_x, first_y) = (i32x8::splat(simd, begin.x), i32x8::splat(simd, begin.y));
+        let last_x = x1.min(i32x8::splat(simd, end.x - 1));
+        let last_y = y1.min(i32x8::splat(simd, end.y - 1));
+        let hits =
+            x0.simd_le(last_x) & y0.simd_le(last_y) & x1.simd_ge(first_x) & y1.simd_ge(first_y);
         let misses = usable & !mask(hits);
         self.emitter.work.triangles_outside += u64::from(misses.count_ones());
 
@@ -111,8 +113,7 @@ impl SetUpEight<'_, '_> {
         }
         if drawn != 0 {
             let depth = depth_plane(simd, projection, [&a, &b, &c]);
-            let zero = i32x8::splat(simd, 0);
-            let bounds = [x0.max(zero), last_x, y0.max(zero), last_y];
+            let bounds = [x0.max(first_x), last_x, y0.max(first_y), last_y];
             self.emit(drawn, away, tiny, first, [a, b, c], depth, bounds);
         }
 

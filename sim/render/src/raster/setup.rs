@@ -70,6 +70,8 @@ pub(crate) struct SetUp<'a> {
     pub(crate) options: &'a RenderOptions,
     /// How far from its middle a sample's visibility may be asked for [sub-samples].
     pub(crate) reach: i32,
+    /// First sample of the box that is drawn, and one past its last.
+    pub(crate) drawn: [UVec2; 2],
 }
 
 /// Sets up all triangles of `objects` (places in the view's list) that may cover a sample.
@@ -256,7 +258,7 @@ impl<'a> Emitter<'a> {
             object,
             triangle: triangle | if behind { BEHIND } else { 0 },
         };
-        let Some(bounds) = bounds(&set_up.corners, projection.size, self.pass.reach) else {
+        let Some(bounds) = bounds(&set_up.corners, self.pass.drawn, self.pass.reach) else {
             return false;
         };
         set_up.bounds = bounds;
@@ -289,9 +291,9 @@ impl SetUpTriangle {
     }
 }
 
-/// First and last sample of the lattice of which a position up to `reach` sub-samples from the centre
+/// First and last sample of those `drawn` (the first, and one past the last) of which a position up to `reach` sub-samples from the centre
 /// lies within the bounds of a triangle, along x and y; `None` if there is none.
-fn bounds(corners: &[[i32; 2]; 3], size: UVec2, reach: i32) -> Option<[[u16; 2]; 2]> {
+fn bounds(corners: &[[i32; 2]; 3], drawn: [UVec2; 2], reach: i32) -> Option<[[u16; 2]; 2]> {
     let mut bounds = [[0; 2]; 2];
     for axis in 0..2 {
         let c = corners.map(|c| c[axis]);
@@ -300,7 +302,8 @@ fn bounds(corners: &[[i32; 2]; 3], size: UVec2, reach: i32) -> Option<[[u16; 2];
         // Shifting right rounds down, for negative numbers too.
         let first = (low - half - reach + SUBSAMPLES - 1) >> SUBSAMPLES.ilog2();
         let last = (high - half + reach) >> SUBSAMPLES.ilog2();
-        let (first, last) = (first.max(0), last.min(size[axis] as i32 - 1));
+        let [begin, end] = drawn.map(|d| d[axis] as i32);
+        let (first, last) = (first.max(begin), last.min(end - 1));
         if first > last {
             return None;
         }

@@ -100,12 +100,12 @@ impl Durations {
         Ok(Self(Law::Measured { values, min, max }))
     }
 
-    /// Measured values from CSV text: the first column whose header ends in `ms`, or the only column
-    /// of a file without a header. Lines that begin with `#` are comments. `origin` names the text.
+    /// Measured values \[ms\] from CSV text: of the column that is named, or the first whose header ends in `ms`,
+    /// or the only one of a file without a header. Lines that begin with `#` are comments. `origin` names the text.
     ///
     /// # Errors
     /// Names the line and the value that is no duration, or says that there is no such column.
-    pub fn from_csv(text: &str, origin: &str) -> Result<Self, ModelError> {
+    pub fn from_csv(text: &str, origin: &str, named: Option<&str>) -> Result<Self, ModelError> {
         let (mut column, mut width) = (None, 0);
         let mut values = Vec::new();
         let lines = text.trim_start_matches('\u{feff}').lines().enumerate();
@@ -123,12 +123,19 @@ impl Durations {
                 Some(at) => at,
                 None => {
                     let header = cells.iter().all(|c| c.parse::<f64>().is_err());
-                    let found = match header {
-                        true => cells.iter().position(|c| c.to_lowercase().ends_with("ms")),
-                        false => Some(0).filter(|_| cells.len() == 1),
+                    let found = match (header, named) {
+                        (true, Some(name)) => cells.iter().position(|c| *c == name),
+                        (true, None) => cells.iter().position(|c| c.to_lowercase().ends_with("ms")),
+                        (false, Some(_)) => None,
+                        (false, None) => Some(0).filter(|_| cells.len() == 1),
                     };
                     let Some(found) = found else {
-                        let valid = "a header with a column that ends in `ms`, or one column alone";
+                        let valid = match named {
+                            Some(name) => format!("a header with a column `{name}`"),
+                            None => "a header with a column that ends in `ms` (FILE#COLUMN names another), \
+                                     or one column alone"
+                                .into(),
+                        };
                         let value = line.chars().take(60).collect::<String>();
                         return Err(ModelError::range(field(), value, valid));
                     };

@@ -25,10 +25,10 @@ pub struct TrackerSpec {
     pub rate_hz: f64,
     /// How long one sample's exposure lasts \[ms\].
     pub exposure_ms: f64,
-    /// Shortest and longest time from the end of exposure to the sample being delivered \[ms\].
-    pub processing_ms: [f64; 2],
-    /// Measured times from the end of exposure to the sample being ready \[ms\], used instead of
-    /// `processing_ms` where there are any; each sample takes one of them.
+    /// Shortest and longest time from the end of exposure to the sample being ready \[ms\].
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub processing_ms: Option<[f64; 2]>,
+    /// Measured times of that instead \[ms\]; each sample takes one of them.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub processing_measured_ms: Vec<f64>,
     /// Shortest and longest time on the way to the host \[ms\].
@@ -122,9 +122,18 @@ impl TryFrom<TrackerSpec> for Tracker {
     type Error = ModelError;
 
     fn try_from(spec: TrackerSpec) -> Result<Self, ModelError> {
-        let processing = match spec.processing_measured_ms.as_slice() {
-            [] => Durations::uniform("processing_ms", spec.processing_ms)?,
-            measured => Durations::measured("processing_measured_ms", measured)?,
+        let processing = match (spec.processing_ms, spec.processing_measured_ms.as_slice()) {
+            (Some(range), []) => Durations::uniform("processing_ms", range)?,
+            (None, []) => {
+                let valid = "a range, or give processing_measured_ms";
+                return Err(ModelError::range("processing_ms", "nothing", valid));
+            }
+            (None, measured) => Durations::measured("processing_measured_ms", measured)?,
+            (Some([min, max]), _) => {
+                let value = format!("[{min}, {max}]");
+                let valid = "absent beside processing_measured_ms, which takes its place";
+                return Err(ModelError::range("processing_ms", value, valid));
+            }
         };
         let slippage = spec.slippage_deg_per_sqrt_min;
         in_range("slippage_deg_per_sqrt_min", slippage, 0.0..=90.0)?;
@@ -165,7 +174,7 @@ mod tests {
                 title: String::new(),
                 rate_hz,
                 exposure_ms: 1.0,
-                processing_ms: [1.0, 2.0],
+                processing_ms: Some([1.0, 2.0]),
                 bias_deg: 0.0,
                 precision_deg: 0.0,
                 processing_measured_ms: Vec::new(),
@@ -185,5 +194,27 @@ mod tests {
             let want = format!("rate_hz = {hz}: must be a number from 1 to 100000");
             assert_eq!(error, want);
         }
+    }
+
+    #[test]
+    fn processing_is_a_range_or_measured() {
+        let build = |processing: &str| {
+            let text = format!("name = 't'\nrate_hz = 100\nexposure_ms = 1\n{processing}");
+            let spec: TrackerSpec = toml::from_str(&text).unwrap();
+            Tracker::try_from(spec).map_err(|e| e.to_string())
+        };
+        let measured = build("processing_measured_ms = [8, 9, 11]")
+            .unwrap()
+            .processing;
+        assert_eq!(measured.min(), Nanos::from_ms(8.0));
+        assert_eq!(measured.max(), Nanos::from_ms(11.0));
+        assert!(build("processing_ms = [1, 2]").is_ok());
+        let neither = build("").unwrap_err();
+        assert!(neither.contains("processing_ms = nothing"), "{neither}");
+        let both = build("processing_ms = [1, 2]\nprocessing_measured_ms = [3]").unwrap_err();
+        assert!(
+            both.contains("processing_ms = [1, 2]: must be absent"),
+            "{both}"
+        );
     }
 }

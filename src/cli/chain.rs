@@ -5,7 +5,7 @@ use foveasim_study::ChainSpec;
 use super::options;
 
 /// The loop between tracker and display. Times are in ms; a LAW is milliseconds, `uniform:MIN..MAX`,
-/// `normal:MEAN,SD` or `csv:FILE` (measured values: the first column whose name ends in `ms`).
+/// `normal:MEAN,SD`, `csv:FILE` (measured values: the first column whose name ends in `ms`) or `csv:FILE#COLUMN`.
 #[derive(Debug, Clone, clap::Args)]
 #[command(next_help_heading = "The loop between tracker and display (all off by default)")]
 pub(crate) struct ChainFlags {
@@ -37,10 +37,13 @@ pub(crate) struct ChainFlags {
     /// Read the head pose so long after a frame starts
     #[arg(long, value_name = "MS", allow_negative_numbers = true)]
     pose_latch_ms: Option<f64>,
-    /// What the tracker's processing takes, instead of the tracker's own
+    /// What the tracker's processing takes, instead of the tracker's own: milliseconds,
+    /// uniform:MIN..MAX, normal:MEAN,SD, csv:FILE (measured values [ms]: the first column whose name ends
+    /// in ms) or csv:FILE#COLUMN
     #[arg(long, value_name = "LAW")]
     processing: Option<String>,
-    /// What a tracker sample's transport to the host takes, instead of the tracker's own
+    /// What a tracker sample's transport to the host takes, instead of the tracker's own; a law as for
+    /// --processing
     #[arg(long, value_name = "LAW")]
     transport: Option<String>,
     /// Frames that the display holds, 0 to 4, instead of its own number
@@ -59,7 +62,10 @@ pub(crate) struct ChainFlags {
     #[arg(long, value_name = "T,H,D", value_parser = options::triple, allow_hyphen_values = true)]
     drift_ppm: Option<[f64; 3]>,
     /// Parts to switch off, separated by commas: exposure, processing, transport, dropouts, blinks, bias,
-    /// noise, slippage, head-delay, render, queue, lead, buffer, response, persistence
+    /// noise, slippage, head-delay, render, queue, lead, buffer, response, persistence. Without a part no
+    /// mean, no 95th percentile and no bound rises, but: the best case of a host with --host-lock-ms whose
+    /// frames overrun, without render or queue; motion with --warp-ms and without --missed reproject,
+    /// without render, queue or lead. A note says so where it applies (docs/latency.md, Stages)
     #[arg(long, value_name = "PARTS", value_delimiter = ',')]
     off: Option<Vec<String>>,
 }

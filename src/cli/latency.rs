@@ -1,8 +1,8 @@
 use anyhow::Context as _;
 use foveasim_pipeline::SyncMode;
 use foveasim_study::{
-    Band, Budget, Chain, Fig5Reading, LatencyResult, LatencyStudy, Quantity, Rows, Sensitivity,
-    sensitivity_table, tornado,
+    Band, Budget, Chain, Fig5Reading, LatencyResult, LatencyStudy, Part, Quantity, Rows,
+    Sensitivity, sensitivity_table, tornado,
 };
 
 use super::chain::ChainFlags;
@@ -49,7 +49,8 @@ pub(crate) struct Args {
     /// How long a frame renders [ms] [default: one refresh period]
     #[arg(long, value_name = "MS", allow_hyphen_values = true)]
     render_ms: Option<f64>,
-    /// How long frames render, as a law
+    /// How long frames render: milliseconds, uniform:MIN..MAX, normal:MEAN,SD, csv:FILE (measured values
+    /// [ms]: the first column whose name ends in ms) or csv:FILE#COLUMN
     #[arg(long, value_name = "LAW", conflicts_with = "render_ms")]
     render: Option<String>,
     /// The row gazed at [default: the middle one]
@@ -159,10 +160,10 @@ fn study(args: &Args, ctx: &Context) -> Result<LatencyStudy, Failure> {
         }
     };
     let spec = args.chain.spec();
-    for warning in spec.warnings(&display, &tracker, args.sync, &render) {
-        ctx.note(&warning);
-    }
     let chain = spec.resolve(display, tracker, args.sync, render)?;
+    for caution in chain.cautions() {
+        ctx.warn(&caution);
+    }
     Ok(LatencyStudy::of(chain, Some(band)).with_context(|| args.display.clone())?)
 }
 
@@ -192,9 +193,13 @@ fn told(args: &Args, study: &LatencyStudy, result: &LatencyResult) -> String {
     let Band { top, gaze, bottom } = study.band();
     let chain = study.chain();
     let (least, most) = (chain.render.min().as_ms(), chain.render.max().as_ms());
-    let render = match least == most {
-        true => format!("{least} ms"),
-        false => format!("{least} to {most} ms"),
+    let render = match (chain.is_off(Part::Render), least == most) {
+        (true, _) if most > 0.0 => {
+            format!("in no time, but take the {most} ms until their last latch")
+        }
+        (true, _) => "in no time".into(),
+        (false, true) => format!("{least} ms"),
+        (false, false) => format!("{least} to {most} ms"),
     };
     format!(
         "{} on {}, {}: frames render {render}; rows {top} to {bottom} of {}, gaze at {gaze}; {} runs, {} simulated events",

@@ -60,7 +60,8 @@ pub(crate) struct Args {
     /// How long a frame renders [ms] [default: one refresh period]
     #[arg(long, value_name = "MS", allow_hyphen_values = true)]
     render_ms: Option<f64>,
-    /// How long frames render, as a law; of a csv:FILE, one measured frame after the other
+    /// How long frames render: milliseconds, uniform:MIN..MAX, normal:MEAN,SD, csv:FILE (measured values
+    /// [ms], one frame after the other: the first column whose name ends in ms) or csv:FILE#COLUMN
     #[arg(long, value_name = "LAW", conflicts_with = "render_ms")]
     render: Option<String>,
     /// tracked: the fovea follows the eye; fixed: it stays at the centre

@@ -58,7 +58,7 @@ pub(crate) struct Args {
     /// Gaze older than this is given up [ms] [default: 250]
     #[arg(long, value_name = "MS", allow_negative_numbers = true)]
     max_gaze_age_ms: Option<f64>,
-    /// How long a frame renders: refresh, cost, or a LAW [default: refresh]
+    /// How long a frame renders: refresh, cost, or a law as for --processing [default: refresh]
     #[arg(long, value_name = "TIME", allow_hyphen_values = true)]
     render_time: Option<String>,
     /// Cost profile of predicted times: a preset, or a TOML file [default: guenter2012]
@@ -122,7 +122,14 @@ pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
     }
     let report = outputs.path("report.html");
     outputs.commit()?;
-    for note in run.recording.notes.iter().chain(&run.replay.notes) {
+    let cautions = scenario.chain.cautions();
+    for note in run
+        .recording
+        .notes
+        .iter()
+        .chain(&run.replay.notes)
+        .chain(&cautions)
+    {
         ctx.warn(note);
     }
     ctx.print_table(&run.summary())?;

@@ -26,12 +26,12 @@ pub(crate) struct Args {
     /// Half of the window that speeds are taken over [ms]
     #[arg(long, value_name = "MS", default_value_t = EventOptions::default().half_window_ms)]
     half_window_ms: f64,
-    /// Least peak speed of a saccade, however low the noise [deg/s]
-    #[arg(long, value_name = "SPEED", default_value_t = EventOptions::default().floor_deg_per_s)]
-    floor_deg_per_s: f64,
-    /// Largest dispersion of a fixation, width plus height [deg]
-    #[arg(long, value_name = "DEG", default_value_t = EventOptions::default().dispersion_deg)]
-    dispersion_deg: f64,
+    /// Least peak speed of a saccade, however low the noise, with --method velocity [deg/s] [default: 30]
+    #[arg(long, value_name = "SPEED")]
+    floor_deg_per_s: Option<f64>,
+    /// Largest dispersion of a fixation, width plus height, with --method dispersion [deg] [default: 1]
+    #[arg(long, value_name = "DEG")]
+    dispersion_deg: Option<f64>,
     /// Shortest fixation [ms]
     #[arg(long, value_name = "MS", default_value_t = EventOptions::default().min_fixation_ms)]
     min_fixation_ms: f64,
@@ -40,13 +40,29 @@ pub(crate) struct Args {
 }
 
 pub(crate) fn run(args: &Args, ctx: &Context) -> Result<(), Failure> {
+    let (floor, dispersion) = (args.floor_deg_per_s, args.dispersion_deg);
+    let ignored = match args.method {
+        EventMethod::Velocity => {
+            dispersion.map(|deg| ("--dispersion-deg", deg, EventMethod::Dispersion))
+        }
+        EventMethod::Dispersion => {
+            floor.map(|speed| ("--floor-deg-per-s", speed, EventMethod::Velocity))
+        }
+    };
+    if let Some((flag, value, method)) = ignored {
+        return Err(Failure::bad_input(format!(
+            "{flag} = {value}: must be absent, unless with --method {}",
+            method.name()
+        )));
+    }
+    let default = EventOptions::default();
     let options = EventOptions {
         method: args.method,
         half_window_ms: args.half_window_ms,
-        floor_deg_per_s: args.floor_deg_per_s,
-        dispersion_deg: args.dispersion_deg,
+        floor_deg_per_s: floor.unwrap_or(default.floor_deg_per_s),
+        dispersion_deg: dispersion.unwrap_or(default.dispersion_deg),
         min_fixation_ms: args.min_fixation_ms,
-        ..EventOptions::default()
+        ..default
     };
     options.validate()?;
     let (recording, labels) =

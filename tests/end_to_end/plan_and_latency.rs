@@ -282,13 +282,21 @@ fn frames_and_tracker_times_can_be_measured_ones() {
 fn a_budget_that_does_not_hold_names_what_to_shorten() {
     let scratch = Scratch::new();
     scratch.ok(&["latency", "--runs", "5000", "--budget", "50ms"]);
-    let ran = scratch.run(&["latency", "--runs", "5000", "--budget", "30"]);
-    assert_eq!(ran.code, 1);
-    assert!(
-        ran.err.contains("over the budget of 30 ms: shorten "),
-        "{}",
-        ran.err
-    );
+    for (flags, what) in [
+        (
+            &["--budget", "30"][..],
+            "over the budget of 30 ms: read the gaze later",
+        ),
+        // As late as can be.
+        (
+            &["--budget", "20", "--gaze-latch-ms", "8.333333"],
+            "over the budget of 20 ms: shorten ",
+        ),
+    ] {
+        let ran = scratch.run(&[&["latency", "--runs", "5000"], flags].concat());
+        assert_eq!(ran.code, 1);
+        assert!(ran.err.contains(what), "{}", ran.err);
+    }
 }
 
 #[test]
@@ -328,6 +336,42 @@ fn what_may_rise_without_a_part_is_told() {
     assert!(!said(&[&locked[..], &["--off", "exposure"]].concat()));
     assert!(said(&["--warp-ms", "1", "--off", "lead"]));
     assert!(!said(&["--off", "render,response"]));
+    // Whoever reads the numbers by a program must know, too.
+    assert!(said(&[
+        "--warp-ms",
+        "1",
+        "--off",
+        "lead",
+        "--format",
+        "csv"
+    ]));
+    assert!(said(&[
+        "--warp-ms",
+        "1",
+        "--off",
+        "lead",
+        "--format",
+        "json"
+    ]));
+}
+
+#[test]
+fn without_rendering_frames_say_what_time_they_take() {
+    let scratch = Scratch::new();
+    let told = |flags: &[&str]| {
+        scratch
+            .run(&[&["latency", "--runs", "10"], flags].concat())
+            .err
+    };
+    let latch = ["--render-ms", "8", "--gaze-latch-ms", "3"];
+    assert!(told(&latch).contains("frames render 8 ms;"));
+    let off = told(&[&latch[..], &["--off", "render"]].concat());
+    assert!(
+        off.contains("frames render in no time, but take the 3 ms until"),
+        "{off}"
+    );
+    let off = told(&["--off", "render"]);
+    assert!(off.contains("frames render in no time;"), "{off}");
 }
 
 #[test]

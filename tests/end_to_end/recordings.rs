@@ -139,6 +139,22 @@ fn what_cannot_be_done_is_said_in_one_line() {
             &["trace", "events", "t.csv", "--half-window-ms", "nan"],
             "half_window_ms = NaN",
         ),
+        (
+            &["trace", "events", "t.csv", "--dispersion-deg", "2"],
+            "--dispersion-deg = 2: must be absent",
+        ),
+        (
+            &[
+                "trace",
+                "events",
+                "t.csv",
+                "--method",
+                "dispersion",
+                "--floor-deg-per-s",
+                "50",
+            ],
+            "--floor-deg-per-s = 50: must be absent",
+        ),
         (&["trace", "events", "head.txt"], "no valid gaze sample"),
         (&["trace", "predict", "gaze.tsv"], "no valid head pose"),
         (

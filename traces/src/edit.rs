@@ -1,5 +1,6 @@
 use foveasim_models::{Interpolate, Nanos, Rate, Recording, Sample, Series};
 
+use crate::interval::usual_interval_ms;
 use crate::synth::MAX_SAMPLES;
 use crate::{TraceError, require_gaze};
 
@@ -73,19 +74,16 @@ pub fn resample_recording(
 /// [`resample`], and the head as it was.
 ///
 /// # Errors
-/// If it has no gaze, or `rate` is not below that of the recording (its median).
+/// If it has no gaze, or `rate` is not below that of the recording (as stated, or by its median interval).
 pub fn decimate_gaze(
     recording: &Recording,
     rate: Rate,
     max_gap: Nanos,
 ) -> Result<Recording, TraceError> {
     let gaze = require_gaze(recording)?;
-    let times = gaze.samples().windows(2);
-    let mut steps: Vec<Nanos> = times.map(|w| w[1].t - w[0].t).collect();
-    steps.sort_unstable();
-    let step = steps.get(steps.len() / 2).copied().unwrap_or_default();
-    if rate.period() <= step {
-        let valid = format!("below the {:.1} Hz of the recording", 1.0 / step.as_secs());
+    let usual = usual_interval_ms(gaze, recording.gaze_rate);
+    if rate.period().as_ms() <= usual {
+        let valid = format!("below the {:.1} Hz of the recording", 1e3 / usual);
         return Err(TraceError::option("decimate", rate.hz(), valid));
     }
     Ok(Recording {

@@ -3,6 +3,8 @@ use foveasim_models::{
     GazeDirection, Interpolate, Nanos, Pose, Provenance, Rate, Recording, Series,
 };
 
+use crate::interval::{intervals_ms, usual_interval_ms};
+
 /// What `trace info` says about a recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TraceInfo {
@@ -97,14 +99,9 @@ impl Described for Pose {
 /// Of samples taken at a `stated` rate, or else one that the median interval gives.
 fn describe<T: Described>(series: &Series<T>, stated: Option<Rate>) -> SeriesInfo {
     let samples = series.samples();
-    let mut intervals: Vec<f64> = samples
-        .windows(2)
-        .map(|w| (w[1].t - w[0].t).as_ms())
-        .collect();
-    let duplicates = intervals.iter().filter(|ms| **ms == 0.0).count();
-    intervals.retain(|ms| *ms > 0.0);
-    intervals.sort_by(f64::total_cmp);
-    let usual = stated.map_or_else(|| quantile_sorted(&intervals, 0.5), |r| 1e3 / r.hz());
+    let intervals = intervals_ms(series);
+    let duplicates = samples.len().saturating_sub(1) - intervals.len();
+    let usual = usual_interval_ms(series, stated);
     let regular = intervals.partition_point(|ms| *ms <= 3.0 * usual);
     SeriesInfo {
         provenance: series.provenance(),

@@ -26,6 +26,7 @@ mod error;
 mod events;
 mod formats;
 mod info;
+mod interval;
 mod labels;
 mod lines;
 mod options;

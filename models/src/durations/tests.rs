@@ -30,7 +30,7 @@ fn draws_stay_in_their_support_and_reach_it() {
 
 #[test]
 fn csv_with_and_without_a_header() {
-    let of = |text| Durations::from_csv(text, "t.csv");
+    let of = |text| Durations::from_csv(text, "t.csv", None);
     let law = of("frame,gpu_ms,cpu_ms\n0,8.5,1\n# stalled\n1,9.25,1\n\n2,7,1\n").unwrap();
     assert_eq!((law.min(), law.max()), (Nanos(7_000_000), Nanos(9_250_000)));
     assert_eq!(law.in_order().unwrap().len(), 3);
@@ -56,6 +56,28 @@ fn csv_with_and_without_a_header() {
             "{text:?}: {error}"
         );
     }
+}
+
+#[test]
+fn csv_columns_by_name() {
+    let text = "Application,MsBetweenPresents,MsGPUActive\ngame.exe,11.1,7.5\ngame.exe,11.2,8\n";
+    let of = |column| Durations::from_csv(text, "t.csv", Some(column)).map_err(|e| e.to_string());
+    let law = of("MsGPUActive").unwrap();
+    assert_eq!((law.min(), law.max()), (Nanos(7_500_000), Nanos(8_000_000)));
+    assert!(
+        of("Application")
+            .unwrap_err()
+            .contains("line 2 = `game.exe`")
+    );
+    // As it is written, and in a header only.
+    for column in ["msgpuactive", "", "7.5"] {
+        let error = of(column).unwrap_err();
+        assert!(
+            error.contains(&format!("a header with a column `{column}`")),
+            "{error}"
+        );
+    }
+    assert!(Durations::from_csv("1\n2\n", "t.csv", Some("1")).is_err());
 }
 
 #[test]

@@ -167,6 +167,12 @@ impl HeadTracker {
         self.motion
     }
 
+    /// Whether, since the start and the last loss or hole, it has seen the three samples from which any predictor
+    /// tells how the head moves.
+    pub fn is_settled(&self) -> bool {
+        self.newest[2].is_some() && !self.lost
+    }
+
     /// The pose expected at `t`; `None` before the first sample with a value.
     pub fn predict(&self, t: Nanos) -> Option<Pose> {
         self.motion.map(|motion| motion.at(t))

@@ -34,6 +34,8 @@ pub struct Chain {
     pub head: HeadSampling,
     /// Which eye's rows are looked at: 0 for the first (left), 1 for the second.
     pub eye: usize,
+    /// Which parts are off, in the order in which they were switched off, and what may be worse for it.
+    pub off: Vec<(Part, Vec<Anomaly>)>,
 }
 
 impl Chain {
@@ -50,7 +52,22 @@ impl Chain {
             runtime: Runtime::default(),
             head: HeadSampling::default(),
             eye: 0,
+            off: Vec::new(),
         }
+    }
+
+    /// Whether `part` is off.
+    pub fn is_off(&self, part: Part) -> bool {
+        self.off.iter().any(|(off, _)| *off == part)
+    }
+
+    /// What may be worse because parts are off ([`Anomaly`]), one sentence each.
+    pub fn cautions(&self) -> Vec<String> {
+        let sentences = self.off.iter().flat_map(|(part, anomalies)| {
+            let sentence = move |anomaly| format!("{part} is off: {anomaly}");
+            anomalies.iter().map(sentence)
+        });
+        sentences.collect()
     }
 
     /// Checks that the parts fit each other.

@@ -37,13 +37,14 @@ impl EventStudy {
         options: &EventOptions,
     ) -> Result<Self, TraceError> {
         let gaze = require_gaze(recording)?;
-        let events = find_events(gaze, options).map_err(|error| match error {
-            TraceError::NoGaze { why, .. } => TraceError::NoGaze {
-                source_name: recording.source.clone(),
-                why,
-            },
-            other => other,
-        })?;
+        let events =
+            find_events(gaze, recording.gaze_rate, options).map_err(|error| match error {
+                TraceError::NoGaze { why, .. } => TraceError::NoGaze {
+                    source_name: recording.source.clone(),
+                    why,
+                },
+                other => other,
+            })?;
         let mut agreements = vendor_agreement(&events, labels);
         agreements.extend(target_agreement(gaze, &events, &labels.targets));
         Ok(Self {

@@ -85,7 +85,8 @@ pub struct Prediction {
 impl PredictionStudy {
     /// Predicts from every sample of a recording, and compares with where the head was then.
     ///
-    /// Predictors see the samples up to each and no later one. The truth between samples is interpolated
+    /// Predictors see the samples up to each and no later one. All are judged from the third sample on, at the start
+    /// and after each loss or hole: before, some know how the head moves and some cannot. The truth between samples is interpolated
     /// (linear and along the great arc), and not judged next to a loss or in a hole.
     ///
     /// # Errors
@@ -105,10 +106,13 @@ impl PredictionStudy {
     fn rows(&self, predictor: HeadPredictor, poses: &PoseSeries) -> Vec<PredictionRow> {
         let mut head =
             HeadTracker::new(predictor, self.max_gap).expect("settings were checked by the caller");
+        let mut judge = HeadTracker::new(HeadPredictor::Acceleration, self.max_gap)
+            .expect("this one has no settings");
         let mut errors: Vec<(Vec<f64>, Vec<f64>)> = vec![Default::default(); self.horizons.len()];
         for sample in poses.samples() {
             head.observe(*sample);
-            if sample.value.is_none() {
+            judge.observe(*sample);
+            if sample.value.is_none() || !judge.is_settled() {
                 continue;
             }
             for (horizon, (moved, turned)) in self.horizons.iter().zip(&mut errors) {
@@ -260,18 +264,51 @@ mod tests {
     }
 
     #[test]
+    fn errors_are_those_of_the_closed_form_from_end_to_end() {
+        use foveasim_models::math::{cos, sin, sqrt};
+        // A lost sample amid, after which velocities must be learnt anew.
+        let mut recording = recording(20.0, 0.0);
+        let mut samples = recording.pose.unwrap().samples().to_vec();
+        samples[700].value = None;
+        recording.pose = Some(Series::new(samples, Provenance::Truth).unwrap());
+        let h = 1.0 / 72.0;
+        let (ahead, step) = (std::f64::consts::TAU * 2.0 * h, std::f64::consts::TAU * h);
+        let study = PredictionStudy {
+            horizons: vec![Nanos::from_ms(2e3 * h)],
+            ..PredictionStudy::default()
+        };
+        let found = study.run(&recording).unwrap();
+        // |e^{ix} − 1 − v|, v of the backward difference and of none.
+        for (predictor, v) in [
+            (HeadPredictor::Constant, [0.0, 0.0]),
+            (
+                HeadPredictor::AngularVelocity,
+                [2.0 * (1.0 - cos(step)), 2.0 * sin(step)],
+            ),
+        ] {
+            let row = found.find(predictor, study.horizons[0]).unwrap();
+            let (re, im) = (cos(ahead) - 1.0 - v[0], sin(ahead) - v[1]);
+            let amplitude = 20.0 * sqrt(re * re + im * im);
+            let spread = row.rotation_deg;
+            let off = |got: f64, want: f64| (got / want - 1.0).abs();
+            assert!(off(spread.max, amplitude) < 1e-3, "{row:?}, {amplitude}");
+            assert!(off(spread.rms, amplitude / sqrt(2.0)) < 1e-2, "{row:?}");
+        }
+    }
+
+    #[test]
     fn a_table_row_per_predictor_and_horizon() {
         let out = PredictionStudy::default()
             .run(&recording(5.0, 0.0))
             .unwrap();
         assert_eq!(out.rows.len(), 6 * 12);
         assert_eq!(out.table().rows().len(), 6 * 12);
-        // The last samples have no truth 60 ms ahead.
+        // The first two samples do not tell how the head moves, the last have no truth 60 ms ahead.
         assert_eq!(
             out.find(HeadPredictor::Constant, Nanos::from_ms(60.0))
                 .unwrap()
                 .samples,
-            1435
+            1433
         );
         assert_eq!(out.rotation_chart().series.len(), 6);
         assert!(

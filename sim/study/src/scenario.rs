@@ -222,6 +222,45 @@ mod tests {
     }
 
     #[test]
+    fn rendering_that_is_off_takes_no_time_by_any_law() {
+        for (law, cost) in [("refresh", false), ("3", false), ("cost", true)] {
+            let with = |off: &[&str]| {
+                let mut spec = ScenarioSpec {
+                    render_time: law.into(),
+                    ..ScenarioSpec::default()
+                };
+                spec.chain.off = off.iter().map(|part| (*part).to_owned()).collect();
+                spec.resolve().unwrap().render_time
+            };
+            assert_eq!(with(&[]) == RenderTime::Cost, cost, "{law}");
+            assert_eq!(with(&["exposure"]) == RenderTime::Cost, cost, "{law}");
+            let RenderTime::Law(render) = with(&["queue", "render"]) else {
+                panic!("{law} goes on although rendering is off");
+            };
+            assert_eq!(render.max(), foveasim_models::Nanos::ZERO, "{law}");
+        }
+    }
+
+    #[test]
+    fn what_may_be_worse_is_kept_with_the_chain() {
+        let cautions = |off: &[&str]| {
+            let mut spec = ScenarioSpec::default();
+            spec.chain.warp_ms = Some(1.0);
+            spec.chain.off = off.iter().map(|part| (*part).to_owned()).collect();
+            spec.resolve().unwrap().chain.cautions()
+        };
+        assert!(cautions(&[]).is_empty() && cautions(&["response"]).is_empty());
+        let said = cautions(&["response", "lead", "lead"]);
+        assert_eq!(said.len(), 1, "{said:?}");
+        assert!(
+            said[0].starts_with("lead is off: motion may be slower"),
+            "{said:?}"
+        );
+        // Each part on its own terms, whatever else is off.
+        assert_eq!(cautions(&["queue", "render", "lead"]).len(), 3);
+    }
+
+    #[test]
     fn an_unknown_key_names_the_nearest() {
         let error = ScenarioSpec::parse("seed = 1\nmetod = 'full'", "s.toml").unwrap_err();
         let text = error.to_string();

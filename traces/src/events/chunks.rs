@@ -1,10 +1,10 @@
 use std::ops::Range;
 
-use foveasim_models::math::quantile_sorted;
-use foveasim_models::{GazeDirection, GazeSeries, Nanos};
+use foveasim_models::{GazeDirection, GazeSeries, Nanos, Rate};
 
 use super::GazeEvent;
 use crate::EventKind;
+use crate::interval::usual_interval_ms;
 
 /// A hole of more than this many intervals ends a chunk.
 const HOLE: f64 = 4.0;
@@ -19,15 +19,10 @@ pub(super) struct Chunks {
 }
 
 impl Chunks {
-    pub(super) fn new(series: &GazeSeries) -> Self {
+    /// Of samples taken at the `stated` rate, or else one that the median interval gives.
+    pub(super) fn new(series: &GazeSeries, stated: Option<Rate>) -> Self {
         let samples = series.samples();
-        let mut intervals: Vec<f64> = samples
-            .windows(2)
-            .map(|w| (w[1].t - w[0].t).as_ms())
-            .filter(|ms| *ms > 0.0)
-            .collect();
-        intervals.sort_by(f64::total_cmp);
-        let interval_ms = quantile_sorted(&intervals, 0.5);
+        let interval_ms = usual_interval_ms(series, stated);
         let mut chunks = Self {
             t: Vec::with_capacity(samples.len()),
             gaze: Vec::with_capacity(samples.len()),
@@ -70,7 +65,7 @@ impl Chunks {
         self.t.len()
     }
 
-    /// Median interval \[ms\]; NaN for fewer than two times.
+    /// Usual interval \[ms\]; NaN for fewer than two times of no stated rate.
     pub(super) fn interval_ms(&self) -> f64 {
         self.interval_ms
     }

@@ -9,7 +9,7 @@ mod main_sequence;
 mod targets;
 mod velocity;
 
-use foveasim_models::{GazeDirection, GazeSeries, Nanos};
+use foveasim_models::{GazeDirection, GazeSeries, Nanos, Rate};
 
 use crate::error::option_in;
 use crate::{EventKind, TraceError};
@@ -177,7 +177,8 @@ impl GazeEvents {
 /// find peak velocities biased below 300 Hz).
 const SHAPE_RATE_HZ: f64 = 300.0;
 
-/// Finds fixations, saccades and blinks.
+/// Finds fixations, saccades and blinks in gaze sampled at `rate`, where a file states it, or else at that of the
+/// median interval.
 ///
 /// A blink is a loss of [`EventOptions::blink_ms`], with what is next to it and moves faster than a
 /// saccade's onset: the lid. Between losses, and between holes of more than four intervals, saccades and
@@ -185,9 +186,13 @@ const SHAPE_RATE_HZ: f64 = 300.0;
 ///
 /// # Errors
 /// If an option is out of range, or there are fewer than three samples with a value.
-pub fn find_events(gaze: &GazeSeries, options: &EventOptions) -> Result<GazeEvents, TraceError> {
+pub fn find_events(
+    gaze: &GazeSeries,
+    rate: Option<Rate>,
+    options: &EventOptions,
+) -> Result<GazeEvents, TraceError> {
     options.validate()?;
-    let chunks = Chunks::new(gaze);
+    let chunks = Chunks::new(gaze, rate);
     if chunks.samples() < 3 {
         return Err(TraceError::NoGaze {
             source_name: "gaze".into(),

@@ -108,7 +108,7 @@ mod tests {
             value: Some(wrapped(gaze(ms))),
         });
         let series = Series::new(samples.to_vec(), Provenance::Truth).unwrap();
-        let speeds = speeds(&Chunks::new(&series), 8.0);
+        let speeds = speeds(&Chunks::new(&series, None), 8.0);
         for (ms, speed) in times.iter().zip(speeds) {
             let az = 1e3 * (0.3 + 0.02 * ms) * (0.2 * ms).to_radians().cos();
             let want = az.hypot(200.0);

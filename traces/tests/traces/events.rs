@@ -1,9 +1,11 @@
 //! Fixations, saccades and blinks: known ones, and those of recordings that others labelled.
 
-use foveasim_models::{GazeDirection, GazeSeries, Nanos, Provenance, Sample, Series};
+use foveasim_models::{
+    GazeDirection, GazeSeries, Nanos, Provenance, Rate, Recording, Sample, Series,
+};
 use foveasim_traces::{
-    Agreement, EventKind, EventMethod, EventOptions, ReadOptions, agreement, find_events,
-    main_sequence, read_labelled_path, target_agreement, vendor_agreement,
+    Agreement, EventKind, EventMethod, EventOptions, ReadOptions, agreement, decimate_gaze,
+    find_events, info, main_sequence, read_labelled_path, target_agreement, vendor_agreement,
 };
 
 use crate::real::find;
@@ -57,7 +59,7 @@ fn known(rate_hz: f64, noise: f64, saccades: usize) -> Known {
 }
 
 fn compared(known: &Known, options: &EventOptions) -> (Agreement, Agreement) {
-    let events = find_events(&known.gaze, options).unwrap();
+    let events = find_events(&known.gaze, None, options).unwrap();
     let spans = |kind| -> Vec<_> { events.of(kind).map(|e| (e.start, e.end)).collect() };
     // Nothing overlaps but at the sample that both have.
     assert!(events.events.windows(2).all(|w| w[0].end <= w[1].start));
@@ -125,7 +127,12 @@ fn dispersion_finds_them_too() {
 #[test]
 fn the_limit_follows_the_noise() {
     let limit = |noise| {
-        let found = find_events(&known(500.0, noise, 60).gaze, &EventOptions::default()).unwrap();
+        let found = find_events(
+            &known(500.0, noise, 60).gaze,
+            None,
+            &EventOptions::default(),
+        )
+        .unwrap();
         (
             found.limits.unwrap().peak_deg_per_s,
             found.of(EventKind::Saccade).count(),
@@ -142,7 +149,12 @@ fn the_limit_follows_the_noise() {
 
 #[test]
 fn main_sequence_of_minimum_jerk() {
-    let events = find_events(&known(1000.0, 0.01, 120).gaze, &EventOptions::default()).unwrap();
+    let events = find_events(
+        &known(1000.0, 0.01, 120).gaze,
+        None,
+        &EventOptions::default(),
+    )
+    .unwrap();
     let fit = main_sequence(&events).unwrap();
     // Their peak is 1.875·A/(21 ms + 2.2 ms/deg·A), which saturates at 852 deg/s.
     for a in [4.0, 8.0, 16.0] {
@@ -160,8 +172,10 @@ fn main_sequence_of_minimum_jerk() {
     );
     assert!((15.0..30.0).contains(&fit.duration_ms.value), "{fit:?}");
     assert!(
-        main_sequence(&find_events(&known(1000.0, 0.0, 5).gaze, &EventOptions::default()).unwrap())
-            .is_none()
+        main_sequence(
+            &find_events(&known(1000.0, 0.0, 5).gaze, None, &EventOptions::default()).unwrap()
+        )
+        .is_none()
     );
 }
 
@@ -169,7 +183,7 @@ fn main_sequence_of_minimum_jerk() {
 fn too_little_and_options_out_of_range() {
     let short = known(1000.0, 0.0, 1).gaze;
     let two = Series::new(short.samples()[..2].to_vec(), Provenance::Truth).unwrap();
-    let error = find_events(&two, &EventOptions::default()).unwrap_err();
+    let error = find_events(&two, None, &EventOptions::default()).unwrap_err();
     assert!(
         error
             .to_string()
@@ -179,7 +193,7 @@ fn too_little_and_options_out_of_range() {
         dispersion_deg: f64::NAN,
         ..EventOptions::default()
     };
-    let error = find_events(&short, &options).unwrap_err().to_string();
+    let error = find_events(&short, None, &options).unwrap_err().to_string();
     assert!(error.starts_with("dispersion_deg = NaN"), "{error}");
     assert!(
         "velocty"
@@ -194,7 +208,7 @@ fn too_little_and_options_out_of_range() {
         value: Some(GazeDirection::AHEAD),
     };
     let same = Series::new(vec![same; 9], Provenance::Truth).unwrap();
-    assert!(find_events(&same, &EventOptions::default()).is_err());
+    assert!(find_events(&same, None, &EventOptions::default()).is_err());
 }
 
 #[test]
@@ -204,12 +218,41 @@ fn a_track_lost_for_long_is_no_blink() {
         s.value = None;
     }
     let gaze = Series::new(samples, Provenance::Truth).unwrap();
-    let events = find_events(&gaze, &EventOptions::default()).unwrap();
+    let events = find_events(&gaze, None, &EventOptions::default()).unwrap();
     assert!(
         events
             .of(EventKind::Blink)
             .all(|b| b.duration() < Nanos::from_ms(300.0))
     );
+}
+
+#[test]
+fn a_rate_that_the_file_states_goes_before_the_median_interval() {
+    // Of an excerpt most intervals are where samples were left out.
+    let gaze = known(1000.0, 0.01, 4).gaze;
+    let kept = gaze
+        .samples()
+        .iter()
+        .enumerate()
+        .filter(|(i, _)| i % 16 < 2 || *i < 200);
+    let excerpt: Vec<_> = kept.filter(|(i, _)| i % 3 > 0).map(|(_, s)| *s).collect();
+    let gaze = Series::new(excerpt, Provenance::Truth).unwrap();
+    let stated = Some(Rate::from_hz("rate", 1000.0).unwrap());
+    for rate in [stated, None] {
+        let recording = Recording {
+            gaze: Some(gaze.clone()),
+            gaze_rate: rate,
+            ..Recording::default()
+        };
+        let events = find_events(&gaze, rate, &EventOptions::default()).unwrap();
+        let described = info(&recording).gaze.unwrap().rate_hz;
+        assert_eq!(events.rate_hz, described, "{rate:?}");
+        assert_eq!(described == 1000.0, rate.is_some(), "{described}");
+        let as_fast = Rate::from_hz("rate", described).unwrap();
+        let error = decimate_gaze(&recording, as_fast, Nanos(100_000_000)).unwrap_err();
+        let want = format!("below the {described:.1} Hz");
+        assert!(error.to_string().contains(&want), "{error}");
+    }
 }
 
 #[test]
@@ -219,8 +262,12 @@ fn eyelink_s_own_events() {
             return;
         };
         let (recording, labels) = read_labelled_path(&path, &ReadOptions::default()).unwrap();
-        let events =
-            find_events(recording.gaze.as_ref().unwrap(), &EventOptions::default()).unwrap();
+        let events = find_events(
+            recording.gaze.as_ref().unwrap(),
+            recording.gaze_rate,
+            &EventOptions::default(),
+        )
+        .unwrap();
         let all = vendor_agreement(&events, &labels);
         assert_eq!(all.len(), 3 * eyes, "{name}");
         for a in all {
@@ -254,7 +301,7 @@ fn known_targets() {
         };
         let (recording, labels) = read_labelled_path(&path, &ReadOptions::default()).unwrap();
         let gaze = recording.gaze.as_ref().unwrap();
-        let events = find_events(gaze, &EventOptions::default()).unwrap();
+        let events = find_events(gaze, recording.gaze_rate, &EventOptions::default()).unwrap();
         let a = target_agreement(gaze, &events, &labels.targets).unwrap();
         assert!(a.f1() >= least && a.recall() == 1.0, "{name}: {a:?}");
         assert!(

@@ -150,6 +150,10 @@ impl Chain {
     /// The same chain with one part off.
     #[must_use]
     pub fn without(mut self, part: Part) -> Self {
+        if self.is_off(part) {
+            return self;
+        }
+        self.off.push((part, self.anomalies_without(part)));
         let (tracker, runtime) = (&mut self.tracker, &mut self.runtime);
         match part {
             Part::Exposure => tracker.exposure = Nanos::ZERO,

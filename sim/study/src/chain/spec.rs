@@ -90,8 +90,8 @@ impl DriftSpec {
 /// The largest file of measured durations \[bytes\].
 const MOST_MEASURED: u64 = 1 << 28;
 
-/// A law of durations: milliseconds, `uniform:MIN..MAX`, `normal:MEAN,SD`, or `csv:FILE` with measured
-/// values (the first column whose name ends in `ms`).
+/// A law of durations: milliseconds, `uniform:MIN..MAX`, `normal:MEAN,SD`, `csv:FILE` with measured
+/// values (the first column whose name ends in `ms`) or `csv:FILE#COLUMN` (the column of this name).
 ///
 /// # Errors
 /// If the text has none of these forms, or names the file's line and value that is no duration.
@@ -99,8 +99,13 @@ pub fn render_law(text: &str) -> Result<Durations, ScenarioError> {
     match text.strip_prefix("csv:") {
         None => Ok(text.parse()?),
         Some(path) => {
+            // A file may have the sign in its name.
+            let (path, column) = match path.rsplit_once('#') {
+                Some((file, column)) if !Path::new(path).exists() => (file, Some(column)),
+                _ => (path, None),
+            };
             let text = read_text_up_to(Path::new(path), MOST_MEASURED)?;
-            Ok(Durations::from_csv(&text, path)?)
+            Ok(Durations::from_csv(&text, path, column)?)
         }
     }
 }
@@ -174,6 +179,7 @@ impl ChainSpec {
             render,
             head,
             eye,
+            off: Vec::new(),
         };
         for part in self.parts_off()? {
             chain = chain.without(part);
@@ -188,34 +194,6 @@ impl ChainSpec {
             name.parse::<Part>().map_err(why)
         };
         self.off.iter().map(part).collect()
-    }
-
-    /// What may rise although parts are off ([`Anomaly`](crate::Anomaly)), one sentence each; nothing of a chain that
-    /// is not valid with all its parts.
-    pub fn warnings(
-        &self,
-        display: &Display,
-        tracker: &Tracker,
-        sync: SyncMode,
-        render: &Durations,
-    ) -> Vec<String> {
-        let parts = self.parts_off().unwrap_or_default();
-        if parts.is_empty() {
-            return Vec::new();
-        }
-        let on = Self {
-            off: Vec::new(),
-            ..self.clone()
-        };
-        let on = on.resolve(display.clone(), tracker.clone(), sync, render.clone());
-        let Ok(chain) = on else {
-            return Vec::new();
-        };
-        let warned = parts.into_iter().flat_map(|part| {
-            let anomalies = chain.anomalies_without(part).into_iter();
-            anomalies.map(move |anomaly| format!("--off {part}: {anomaly}"))
-        });
-        warned.collect()
     }
 
     fn runtime(&self, render: &Durations) -> Result<Runtime, ScenarioError> {

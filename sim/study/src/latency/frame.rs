@@ -43,7 +43,13 @@ impl Frame {
             .map(|q| q.bounds(of(q), &edges, chain.sync));
         let kinds = QUANTITIES.iter().map(|q| q.bound_kind(of(q), &edges));
         let (render, period) = (chain.render.max(), -chain.host_rate.tick(-1));
-        let settling = match chain.runtime == Runtime::default() {
+        // Reading input later moves no frame: runs with and without a latch begin alike.
+        let at_once = Runtime {
+            gaze_latch: Nanos::ZERO,
+            pose_latch: Nanos::ZERO,
+            ..chain.runtime
+        };
+        let settling = match at_once == Runtime::default() {
             true => Nanos::ZERO,
             // A free host fills its queue by what each frame takes too long.
             false if chain.sync != SyncMode::Vsync && render > period => {

@@ -78,7 +78,10 @@ impl GazePhases {
             Provenance::Truth => Nanos::ZERO,
             Provenance::TrackerOutput { delay } => delay,
         };
-        Ok(Self::new(find_events(gaze, options)?, delay))
+        Ok(Self::new(
+            find_events(gaze, recording.gaze_rate, options)?,
+            delay,
+        ))
     }
 
     /// Of events that were recorded `delay` after the eye made them.

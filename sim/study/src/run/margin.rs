@@ -5,7 +5,7 @@ use foveasim_models::{FrameCost, FrameInput, ModelError, Nanos};
 use foveasim_reports::Table;
 
 use super::{PlanCost, RunError, recording};
-use crate::{GazeState, RenderTime, Scenario, ScenarioSpec, replay_each};
+use crate::{GazeState, Part, RenderTime, Scenario, ScenarioSpec, replay_each};
 
 /// The margin that a latency calls for, and the latency that this margin makes: a wider sharp region
 /// takes more samples, which take longer, during which the eye gets further.
@@ -48,12 +48,16 @@ const WIDEST_DEG: f64 = 90.0;
 /// held or lost, or whose true gaze is not known, do not count.
 ///
 /// # Errors
-/// If `fraction` is not above 0 and below 1, or the recording cannot be read or replayed, or has no
+/// If `fraction` is not above 0 and below 1, or rendering is off, or the recording cannot be read or replayed, or has no
 /// frame that counts.
 pub fn close_margin(scenario: &Scenario, fraction: f64) -> Result<MarginLoop, RunError> {
     if !(fraction > 0.0 && fraction < 1.0) {
         let valid = "above 0 and below 1";
         return Err(ModelError::range("fraction of frames", fraction, valid).into());
+    }
+    if scenario.chain.is_off(Part::Render) {
+        let valid = "absent: what a wider margin costs is the time its frames take";
+        return Err(ModelError::range("chain.off", Part::Render, valid).into());
     }
     let recording = recording(scenario)?;
     let mut turn = Scenario {
@@ -197,5 +201,13 @@ mod tests {
         for fraction in [0.0, 1.0, -0.5, f64::NAN] {
             assert!(close_margin(&scenario("refresh"), fraction).is_err());
         }
+    }
+
+    #[test]
+    fn no_loop_without_rendering() {
+        let mut off = scenario("refresh");
+        off.chain = off.chain.without(Part::Render);
+        let error = close_margin(&off, 0.95).unwrap_err().to_string();
+        assert!(error.contains("chain.off = render"), "{error}");
     }
 }

@@ -225,6 +225,9 @@ fn latency(page: &mut Page, run: &Run, scenario: &Scenario) {
         &latency.waterfall().svg(),
     );
     page.svg("All clocks have independent phases. Shaded: the bounds, found by interval arithmetic; the table says which are exact.", &latency.chart(Quantity::Gaze(Rows::Last)).svg());
+    for caution in scenario.chain.cautions() {
+        page.note(&format!("{caution}."));
+    }
     if scenario.render_time == RenderTime::Cost {
         page.note("Frames take what the cost profile says of their own samples; here each takes the mean over the layers' cadence, and the bounds are those of that time.");
     }

@@ -13,7 +13,7 @@ use foveasim_traces::{ReadOptions, ScreenSpec, TraceError};
 use super::ScenarioSpec;
 use super::devices::{cost, display, display_spec, tracker, tracker_spec};
 use crate::{
-    Chain, DensityAt, MAX_RUNS, ReplayOptions, Resolution, SweepDisplay, head_predictor,
+    Chain, DensityAt, MAX_RUNS, Part, ReplayOptions, Resolution, SweepDisplay, head_predictor,
     parse_numbers, render_law,
 };
 
@@ -178,8 +178,8 @@ impl ScenarioSpec {
         };
         let chain = self.chain.resolve(display, tracker, sync, law)?;
         let render_time = match render_time {
-            RenderTime::Law(_) => RenderTime::Law(chain.render.clone()),
-            RenderTime::Cost => RenderTime::Cost,
+            RenderTime::Cost if !chain.is_off(Part::Render) => RenderTime::Cost,
+            _ => RenderTime::Law(chain.render.clone()),
         };
         let (display, tracker) = (chain.display.clone(), chain.tracker.clone());
         let cost = cost(&self.cost)?;

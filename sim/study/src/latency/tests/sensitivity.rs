@@ -31,6 +31,11 @@ fn what_a_millisecond_buys() {
         of(&list, Knob::Exposure).motion_mean.abs() < 1e-9,
         "the head's way has no exposure"
     );
+    let (pose, gaze) = (of(&list, Knob::PoseLatch), of(&list, Knob::GazeLatch));
+    assert!(
+        pose.gaze_mean == 0.0 && pose.gaze_p95 == 0.0 && gaze.motion_mean == 0.0,
+        "when one is read is nothing to the other: {pose:?} {gaze:?}"
+    );
     assert!((of(&list, Knob::PixelResponse).motion_p95 - 1.0).abs() < 0.01);
     assert!(
         list.iter().all(|s| s.knob != Knob::Transport),

@@ -44,7 +44,7 @@ impl Corners for Gradients {
 impl Corners for Levels {
     #[inline(always)]
     fn places<S: Simd>(&self, simd: S, cell: [I<S>; 3]) -> I<S> {
-        // At most 2³⁰ voxels of two bytes.
+        // At most 2³¹ voxels: their numbers fit.
         let row = I::splat(simd, self.dims[0] as i32);
         let slice = I::splat(simd, (self.dims[0] * self.dims[1]) as i32);
         cell[0] + cell[1] * row + cell[2] * slice

@@ -143,7 +143,6 @@ fn pictures_are_as_they_are_defined() {
         let eye = orbit(volume.bounds(), &optics, 35.0, 20.0, 0.8).unwrap();
         let view = View::still(Eye::Cyclopean, optics, eye);
         let [rms, worst] = off(&volume, &view);
-        eprintln!("{kind}: {rms:.4} {worst:.3}");
         // Thin shells are a few of the table's 4096 entries wide.
         let [most_rms, most] = match kind {
             GeneratedVolume::Shells => [0.1, 2.0],

@@ -111,7 +111,7 @@ fn what_cannot_be_drawn_is_said() {
     let jet = ["--scene", "volume:jet:8"];
     let with = |flags: &[&'static str]| [&jet[..], flags].concat();
     refused(&["--scene", "volume:jett"], "did you mean `jet`");
-    refused(&["--scene", "volume:jet:5000"], "2 to 1024");
+    refused(&["--scene", "volume:jet:813"], "2 to 812");
     refused(&["--scene", "none.nii"], "none.nii: cannot be read");
     s.write(
         "bad.nrrd",

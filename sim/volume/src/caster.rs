@@ -6,8 +6,9 @@ use glam::DVec2;
 use rayon::prelude::*;
 
 use crate::cells::Cells;
-use crate::gradients::Gradients;
-use crate::kernel::{Corners, Follow};
+use crate::corners::Corners;
+use crate::gradients::{Gradients, MOST};
+use crate::kernel::Follow;
 use crate::levels::Levels;
 use crate::packet::{Geometry, Packet, Sight};
 use crate::table::Table;
@@ -36,6 +37,8 @@ enum Stored {
 /// What a [`Caster`] keeps.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Prepared {
+    /// What is read at samples: values if gradients were asked for but would take too much memory.
+    pub storage: Storage,
     /// Memory of voxels \[bytes\].
     pub voxel_bytes: usize,
     /// Memory of all else \[bytes\].
@@ -66,6 +69,16 @@ impl Caster {
         transfer: &TransferFunction,
         options: &CastOptions,
     ) -> Result<Self, CastError> {
+        Self::within(volume, transfer, options, MOST)
+    }
+
+    /// [`new`](Self::new), with another limit for gradients.
+    pub(crate) fn within(
+        volume: &Volume,
+        transfer: &TransferFunction,
+        options: &CastOptions,
+        most_records: usize,
+    ) -> Result<Self, CastError> {
         options.check()?;
         let geometry = Geometry::new(volume, options)?;
         let levels = Levels::new(volume);
@@ -73,9 +86,13 @@ impl Caster {
         let units = options.step_voxels / options.unit_voxels;
         let table = Table::new(transfer, levels.lowest, levels.per_level, highest, units);
         let mut cells = Cells::new(&levels, &table, options.skip_empty);
-        let voxels = match options.storage {
-            Storage::Gradients => Stored::Gradients(Gradients::new(&levels, &mut cells)),
-            Storage::Values => Stored::Values(levels),
+        let gradients = match options.storage {
+            Storage::Gradients => Gradients::new(&levels, &mut cells, most_records),
+            Storage::Values => None,
+        };
+        let voxels = match gradients {
+            Some(gradients) => Stored::Gradients(gradients),
+            None => Stored::Values(levels),
         };
         Ok(Self {
             voxels,
@@ -89,8 +106,12 @@ impl Caster {
     /// What is kept of the volume.
     pub fn prepared(&self) -> Prepared {
         Prepared {
+            storage: match &self.voxels {
+                Stored::Gradients(_) => Storage::Gradients,
+                Stored::Values(_) => Storage::Values,
+            },
             voxel_bytes: match &self.voxels {
-                Stored::Gradients(g) => size_of_val(g.bricks.as_slice()),
+                Stored::Gradients(g) => size_of_val(g.records.as_slice()),
                 Stored::Values(l) => size_of_val(l.levels.as_slice()),
             },
             other_bytes: size_of_val(self.cells.states.as_slice())
@@ -124,6 +145,7 @@ impl Caster {
         let works: Vec<Result<CastWork, CastError>> = out
             .par_chunks_mut(PACKETS * WIDTH)
             .enumerate()
+            .with_max_len(1)
             .map(|(chunk, out)| {
                 let mut work = CastWork::default();
                 for (number, out) in out.chunks_mut(WIDTH).enumerate() {
@@ -177,10 +199,42 @@ impl Caster {
 }
 
 /// The sum, or the first error.
-pub(crate) fn total(works: Vec<Result<CastWork, CastError>>) -> Result<CastWork, CastError> {
+fn total(works: Vec<Result<CastWork, CastError>>) -> Result<CastWork, CastError> {
     let mut all = CastWork::default();
     for work in works {
         all += work?;
     }
     Ok(all)
+}
+
+#[cfg(test)]
+mod tests {
+    use foveasim_assets::GeneratedVolume;
+    use foveasim_models::{Eye, Viewport};
+    use glam::UVec2;
+
+    use super::*;
+
+    #[test]
+    fn too_much_for_gradients_is_kept_as_values() {
+        let volume = GeneratedVolume::Porous.build(20, 1).unwrap();
+        let transfer = TransferFunction::of_volume(&volume);
+        let options = CastOptions::default();
+        let own = Caster::new(&volume, &transfer, &options).unwrap();
+        let kept = own.prepared();
+        let most = kept.voxel_bytes / size_of::<[i16; 8]>();
+        assert_eq!(kept.storage, Storage::Gradients);
+        let optics = Viewport::symmetric(UVec2::splat(16), 0.4).unwrap();
+        let eye = crate::orbit(volume.bounds(), &optics, 10.0, 25.0, 0.8).unwrap();
+        let view = View::still(Eye::Cyclopean, optics, eye);
+        let drawn = own.full(&view).unwrap();
+        for (most, storage) in [(most, Storage::Gradients), (most - 1, Storage::Values)] {
+            let other = Caster::within(&volume, &transfer, &options, most).unwrap();
+            assert_eq!(other.prepared().storage, storage);
+            assert_eq!(other.prepared().parts_seen, kept.parts_seen);
+            assert_eq!(other.full(&view).unwrap(), drawn);
+        }
+        let values = Caster::within(&volume, &transfer, &options, 0).unwrap();
+        assert_eq!(values.prepared().voxel_bytes, 2 * 20 * 20 * 20);
+    }
 }

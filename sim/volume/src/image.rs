@@ -3,12 +3,13 @@ use foveasim_models::{Image, Lattice, SamplePlan, Shading, ShadingRate, View};
 use glam::UVec2;
 use rayon::prelude::*;
 
-use crate::caster::total;
 use crate::packet::{Packet, Sight};
 use crate::{CastError, CastWork, Caster, Ray};
 
 /// Samples along each side of a packet of a lattice.
 const SIDE: u32 = 4;
+/// Samples along each side of a tile, in which a thread goes on before it takes another.
+const TILE: u32 = 32;
 
 /// A drawn image.
 #[derive(Debug, Clone, PartialEq)]
@@ -111,7 +112,8 @@ impl Caster {
         Ok(drawn)
     }
 
-    /// The samples of a lattice, each by the ray that `ray` gives for it, in blocks of 4 × 4.
+    /// The samples of a lattice, each by the ray that `ray` gives for it, in tiles: what neighbours read of the volume is
+    /// still at hand.
     fn lattice(
         &self,
         view: &View,
@@ -124,49 +126,70 @@ impl Caster {
             let work = CastWork::default();
             return Ok(VolumeFrame { image, work });
         }
-        let width = size.x as usize;
-        let works: Vec<Result<CastWork, CastError>> = image
-            .rgb
-            .par_chunks_mut(width * SIDE as usize)
-            .enumerate()
-            .map(|(strip, rows)| self.strip(&sight, strip as u32 * SIDE, size, ray, rows))
+        let across = size.x.div_ceil(TILE) as usize;
+        let tiles = across * size.y.div_ceil(TILE) as usize;
+        let corner = |k: usize| UVec2::new((k % across) as u32, (k / across) as u32) * TILE;
+        let draw = |k: usize| {
+            let mut work = CastWork::default();
+            let pixels = self.tile(&sight, corner(k), size, ray, &mut work)?;
+            Ok((work, pixels))
+        };
+        // Some take much longer than others: each can be taken by whichever thread has nothing to do.
+        let drawn: Vec<Result<_, CastError>> = (0..tiles)
+            .into_par_iter()
+            .with_max_len(1)
+            .map(draw)
             .collect();
-        let work = total(works)?;
+        let drawn = drawn.into_iter().collect::<Result<Vec<_>, _>>()?;
+        let mut work = CastWork::default();
+        for (k, (of_tile, pixels)) in drawn.into_iter().enumerate() {
+            work += of_tile;
+            let corner = corner(k);
+            let width = (size.x - corner.x).min(TILE) as usize;
+            for (y, row) in pixels.chunks_exact(width).enumerate() {
+                let first = (corner.y as usize + y) * size.x as usize + corner.x as usize;
+                image.rgb[first..first + width].copy_from_slice(row);
+            }
+        }
         Ok(VolumeFrame { image, work })
     }
 
-    /// Up to four rows of a lattice, from row `top` on.
-    fn strip(
+    /// The samples of a tile within a lattice of `size`, in blocks of 4 × 4.
+    fn tile(
         &self,
         sight: &Sight,
-        top: u32,
+        corner: UVec2,
         size: UVec2,
         ray: &(dyn Fn(UVec2) -> Option<Ray> + Sync),
-        rows: &mut [[f32; 3]],
-    ) -> Result<CastWork, CastError> {
-        let mut work = CastWork::default();
+        work: &mut CastWork,
+    ) -> Result<Vec<[f32; 3]>, CastError> {
+        let tile = (size - corner).min(UVec2::splat(TILE));
+        let mut pixels = vec![[0.0; 3]; tile.element_product() as usize];
         let background = self.options().background;
-        for left in (0..size.x).step_by(SIDE as usize) {
+        let blocks = tile.map(|n| n.div_ceil(SIDE));
+        for block in 0..blocks.element_product() {
+            let first = UVec2::new(block % blocks.x, block / blocks.x) * SIDE;
             let mut packet = Packet::EMPTY;
             let mut drawn = [None; WIDTH];
             for (lane, drawn) in drawn.iter_mut().enumerate() {
-                let at = UVec2::new(left + lane as u32 % SIDE, top + lane as u32 / SIDE);
-                if at.cmpge(size).any() {
+                let within = first + UVec2::new(lane as u32 % SIDE, lane as u32 / SIDE);
+                if within.cmpge(tile).any() {
                     continue;
                 }
+                let at = corner + within;
                 let Some(ray) = ray(at) else { continue };
                 let index = at.y as usize * size.x as usize + at.x as usize;
-                sight.aim(&mut packet, lane, ray, index, &mut work)?;
-                *drawn = Some((at.y - top) as usize * size.x as usize + at.x as usize);
+                sight.aim(&mut packet, lane, ray, index, work)?;
+                *drawn = Some((within.y * tile.x + within.x) as usize);
             }
-            let seen = self.follow(&packet, &mut work);
+            let seen = self.follow(&packet, work);
             for (place, seen) in drawn.into_iter().zip(seen) {
                 if let Some(place) = place {
-                    rows[place] = over(seen, background);
+                    pixels[place] = over(seen, background);
                 }
             }
         }
-        Ok(work)
+        Ok(pixels)
     }
 }
 

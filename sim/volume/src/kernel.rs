@@ -1,12 +1,11 @@
+use fearless_simd::f32x4;
 use fearless_simd::prelude::*;
-use fearless_simd::{SimdInterleaved, f32x4, f32x8, i16x8};
 use foveasim_lanes::Kernel;
 use foveasim_lanes::transcendental::times_exp2;
 use foveasim_lanes::wide::{F, I, M, Simd, V3, WIDTH, max, min, piece, splat};
 
 use crate::cells::{Cells, OCCUPIED, SIDE, SIDE_BITS};
-use crate::gradients::{BRICK, Gradients, ROW, SLICE};
-use crate::levels::Levels;
+use crate::corners::{Corners, WEIGHT, at_sides, sides, weights};
 use crate::packet::{Geometry, Packet};
 use crate::table::{ENTRIES, Table};
 use crate::{CastOptions, CastWork};
@@ -22,77 +21,9 @@ pub(crate) struct Follow<'a, V> {
     pub(crate) work: &'a mut CastWork,
 }
 
-/// Where the corners of a cell come from.
-pub(crate) trait Corners {
-    /// A number by which [`pairs`](Self::pairs) finds each cell.
-    fn places<S: Simd>(&self, simd: S, cell: [I<S>; 3]) -> I<S>;
-
-    /// Level and differences of a cell's corners, in pairs along x: at (y, z) = (0, 0), (1, 0), (0, 1),
-    /// (1, 1). `state` is that of the part of the volume that it is in; `scratch` may be used.
-    fn pairs<'a>(&'a self, place: i32, state: u32, scratch: &'a mut [i16; 32]) -> [&'a [i16]; 4];
-}
-
-impl Corners for Gradients {
-    #[inline(always)]
-    fn places<S: Simd>(&self, simd: S, cell: [I<S>; 3]) -> I<S> {
-        let mask = I::splat(simd, BRICK as i32 - 1);
-        let (row, slice) = (I::splat(simd, ROW as i32), I::splat(simd, SLICE as i32));
-        ((cell[0] & mask) << 2) + (cell[1] & mask) * row + (cell[2] & mask) * slice
-    }
-
-    #[inline(always)]
-    fn pairs<'a>(&'a self, place: i32, state: u32, _: &'a mut [i16; 32]) -> [&'a [i16]; 4] {
-        // Checked once; the four places in it are constants.
-        let first = place as usize;
-        let all = &self.bricks[(state - OCCUPIED) as usize][first..first + SLICE + ROW + 8];
-        [
-            &all[..8],
-            &all[ROW..ROW + 8],
-            &all[SLICE..SLICE + 8],
-            &all[SLICE + ROW..SLICE + ROW + 8],
-        ]
-    }
-}
-
-impl Corners for Levels {
-    #[inline(always)]
-    fn places<S: Simd>(&self, simd: S, cell: [I<S>; 3]) -> I<S> {
-        // At most 2³⁰ voxels of two bytes.
-        let row = I::splat(simd, self.dims[0] as i32);
-        let slice = I::splat(simd, (self.dims[0] * self.dims[1]) as i32);
-        cell[0] + cell[1] * row + cell[2] * slice
-    }
-
-    #[inline(always)]
-    fn pairs<'a>(&'a self, place: i32, _: u32, scratch: &'a mut [i16; 32]) -> [&'a [i16]; 4] {
-        gather(self, place as usize, scratch);
-        let [a, b, c, d] = [0, 8, 16, 24];
-        [
-            &scratch[a..b],
-            &scratch[b..c],
-            &scratch[c..d],
-            &scratch[d..],
-        ]
-    }
-}
-
-/// The corners of a cell, gradients computed anew.
-fn gather(levels: &Levels, place: usize, out: &mut [i16; 32]) {
-    let [nx, ny, _] = levels.dims;
-    let cell = [place % nx, place / nx % ny, place / nx / ny];
-    for (k, voxel) in out.chunks_exact_mut(4).enumerate() {
-        let place = std::array::from_fn(|a| (cell[a] + (k >> a & 1)) as isize);
-        voxel.copy_from_slice(&levels.with_gradient(place));
-    }
-}
-
 /// Steps that are taken together: what is seen at them is worked out side by side, where the next alone would
 /// have to wait for the last.
 const STEPS: usize = 2;
-
-/// Samples of sixteen rays, lane after lane: four numbers each.
-#[repr(align(64))]
-struct Four([f32; 4 * WIDTH]);
 
 /// A number for each lane, in memory.
 #[repr(align(64))]
@@ -100,10 +31,8 @@ struct Lanes<T>([T; WIDTH]);
 
 /// What sixteen rays meet at one step.
 struct Met {
-    /// Level and differences: of rays that take no sample, those of an earlier step.
-    values: Four,
-    /// What the transfer function has for the levels.
-    colours: Four,
+    /// Level and differences, [`WEIGHT`] times, four rays after four: of rays that take no sample, anything finite.
+    values: [Lanes<f32>; 4],
     /// The parts of the volume that they are in.
     states: Lanes<u32>,
     /// Which rays are within the volume.
@@ -114,8 +43,7 @@ struct Met {
 
 impl Met {
     const NOTHING: Self = Self {
-        values: Four([0.0; 4 * WIDTH]),
-        colours: Four([0.0; 4 * WIDTH]),
+        values: [const { Lanes([0.0; WIDTH]) }; 4],
         states: Lanes([0; WIDTH]),
         within: 0,
         taken: 0,
@@ -141,24 +69,31 @@ impl<V: Corners> Kernel for Follow<'_, V> {
         let mut light = V3::splat(simd, [0.0; 3]);
         let mut alive = samples.simd_gt(zero);
         let mut met = [Met::NOTHING; STEPS];
-        let mut scratch = [0i16; 32];
+        let mut scratch = [0; 32];
         let mut skipped = zero;
+        // The rays that had not ended one turn ago. Which have by now is known only when all that was met has been
+        // worked out: a guess at what to sample next would wait for it.
+        let mut lately = alive.to_bitmask() as u32;
 
         while alive.any_true() {
             let live = alive.to_bitmask() as u32;
             let (mut taken, mut at) = (0, k);
             for met in &mut met {
-                let within = (at.simd_lt(samples) & alive).to_bitmask() as u32;
-                self.sample(simd, origin.add(step.scale(at)), within, met, &mut scratch);
-                met.within = within;
+                let within = at.simd_lt(samples);
+                let place = origin.add(step.scale(at));
+                self.sample(simd, place, within, lately, met, &mut scratch);
+                met.within = within.to_bitmask() as u32;
                 taken |= met.taken;
                 at += 1.0;
             }
-            if taken == 0 {
+            let jumps = taken & lately == 0;
+            lately = live;
+            if jumps {
                 let cell = whole(origin.add(step.scale(k)));
                 let next = max(self.leave(simd, origin, step, cell, &met[0].states), at);
                 self.work.bricks_skipped += u64::from(live.count_ones());
-                skipped += alive.select(min(next, samples) - k, zero);
+                let next = min(next, samples);
+                skipped += alive.select(next - k, zero);
                 k = next;
                 alive = k.simd_lt(samples) & alive;
                 continue;
@@ -183,7 +118,8 @@ impl<V: Corners> Kernel for Follow<'_, V> {
                 self.work.rays_ended_early += u64::from(ended.to_bitmask().count_ones());
                 alive &= !ended;
             }
-            k = at;
+            // Not beyond the volume, where what is worked out for rays that have ended might not be finite.
+            k = min(at, samples);
             alive = k.simd_lt(samples) & alive;
         }
         self.count_skipped(skipped);
@@ -198,40 +134,66 @@ impl<V: Corners> Kernel for Follow<'_, V> {
 }
 
 impl<V: Corners> Follow<'_, V> {
-    /// Takes the samples of the rays `within` at the places `at`, where something may be seen.
+    /// Takes the samples of the rays `within` the volume at the places `at`, where something may be seen; those of
+    /// rays that are not in `live` may be left out.
     #[inline(always)]
     fn sample<S: Simd>(
         &self,
         simd: S,
         at: V3<S>,
-        within: u32,
+        within: M<S>,
+        live: u32,
         met: &mut Met,
         scratch: &mut [i16; 32],
     ) {
         let cell = whole(at);
         let inside = fraction(at, cell);
-        let parts = Lanes(self.part(simd, cell).to_array());
-        let places = Lanes(self.voxels.places(simd, cell).to_array());
-        let [x, y, z] = [
-            Lanes(inside.x.to_array()),
-            Lanes(inside.y.to_array()),
-            Lanes(inside.z.to_array()),
-        ];
+        // Beyond the volume there are no parts: rays there are taken to the first.
+        let nowhere = I::splat(simd, 0);
+        let parts = Lanes(within.select(self.part(simd, cell), nowhere).to_array());
+        let places = Lanes(
+            within
+                .select(self.voxels.places(simd, cell), nowhere)
+                .to_array(),
+        );
+        let across = four_times(inside.x);
+        let y = Lanes(inside.y.to_array());
+        let z = Lanes(weights(simd, inside.z).to_array());
+        let within = within.to_bitmask() as u32;
+        let states = &self.cells.states[..];
         met.taken = 0;
-        for lane in 0..WIDTH {
-            if within >> lane & 1 == 0 {
+        let mut taken = 0;
+        #[expect(
+            clippy::needless_range_loop,
+            reason = "what iterates over vectors might not be inlined, and would lack the level's instructions"
+        )]
+        for group in 0..4 {
+            let first = 4 * group;
+            let mut seen = 0;
+            for lane in 0..4 {
+                let state = states[parts.0[first + lane] as usize];
+                met.states.0[first + lane] = state;
+                seen |= u32::from(state >= OCCUPIED) << lane;
+            }
+            seen &= within >> first;
+            if seen & live >> first == 0 {
                 continue;
             }
-            let state = self.cells.states[parts.0[lane] as usize];
-            met.states.0[lane] = state;
-            if state < OCCUPIED {
-                continue;
-            }
-            met.taken |= 1 << lane;
-            let pairs = self.voxels.pairs(places.0[lane], state, scratch);
-            let sample = interpolate(simd, pairs, [x.0[lane], y.0[lane], z.0[lane]]);
-            sample.store_slice(&mut met.values.0[4 * lane..4 * lane + 4]);
+            taken |= seen << first;
+            // All four, whether they are asked for or not: that is faster than to ask.
+            let [left, right] = sides(four(
+                #[inline(always)]
+                |lane| {
+                    let lane = first + lane;
+                    let state = met.states.0[lane];
+                    let rows = self.voxels.rows(places.0[lane], state, scratch);
+                    at_sides(simd, rows, y.0[lane], z.0[lane])
+                },
+            ));
+            let values = left + (right - left) * across[group];
+            values.store_slice(&mut met.values[group].0);
         }
+        met.taken = taken;
     }
 
     /// What samples look like: their colour, and the share of light that they let through. That is 1 for
@@ -241,22 +203,34 @@ impl<V: Corners> Follow<'_, V> {
     fn classify<S: Simd>(
         &self,
         simd: S,
-        met: &mut Met,
+        met: &Met,
         factor: F<S>,
         base_steps: bool,
     ) -> (V3<S>, F<S>) {
-        let [level, x, y, z] = four(simd, &met.values);
-        let entries = (level * self.table.per_level + 0.5).to_int::<I<S>>();
+        let [level, x, y, z] = apart(four(
+            #[inline(always)]
+            |group| F::from_slice(simd, &met.values[group].0),
+        ));
+        let per_level = self.table.per_level / WEIGHT as f32;
+        let entries = (level * per_level + 0.5).to_int::<I<S>>();
         let entries = Lanes(entries.to_array());
         let table = match base_steps {
             true => &self.table.shares,
             false => &self.table.entries,
         };
-        for lane in 0..WIDTH {
-            let entry = &table[entries.0[lane] as usize % ENTRIES];
-            met.colours.0[4 * lane..4 * lane + 4].copy_from_slice(entry);
-        }
-        let [r, g, b, passes] = four(simd, &met.colours);
+        let [r, g, b, passes] = apart(four(
+            #[inline(always)]
+            |group| {
+                let [a, b, c, d] = four(
+                    #[inline(always)]
+                    |lane| {
+                        let number = entries.0[4 * group + lane] as usize;
+                        f32x4::from_slice(simd, &table[number % ENTRIES])
+                    },
+                );
+                a.combine(b).combine(c.combine(d))
+            },
+        ));
         let zero = splat(simd, 0.0);
         let taken = M::from_bitmask(simd, u64::from(met.taken));
         let colour = self.shade(simd, V3 { x: r, y: g, z: b }, V3 { x, y, z });
@@ -369,23 +343,39 @@ impl<V: Corners> Follow<'_, V> {
     }
 }
 
-/// Four numbers of each lane, from lanes in memory.
+/// `[f(0), f(1), f(2), f(3)]`, inlined.
 #[inline(always)]
-fn four<S: Simd>(simd: S, all: &Four) -> [F<S>; 4] {
+fn four<T>(mut f: impl FnMut(usize) -> T) -> [T; 4] {
+    [f(0), f(1), f(2), f(3)]
+}
+
+/// Each number four times: of the first four lanes, of the next four and so on.
+#[inline(always)]
+fn four_times<S: Simd>(x: F<S>) -> [F<S>; 4] {
     piece(
-        simd,
+        x.simd,
         #[inline(always)]
         || {
-            let a = f32x4::load_four_interleaved(simd, &all.0[..16]);
-            let b = f32x4::load_four_interleaved(simd, &all.0[16..32]);
-            let c = f32x4::load_four_interleaved(simd, &all.0[32..48]);
-            let d = f32x4::load_four_interleaved(simd, &all.0[48..]);
-            [
-                a[0].combine(b[0]).combine(c[0].combine(d[0])),
-                a[1].combine(b[1]).combine(c[1].combine(d[1])),
-                a[2].combine(b[2]).combine(c[2].combine(d[2])),
-                a[3].combine(b[3]).combine(c[3].combine(d[3])),
-            ]
+            let (low, high) = x.interleave(x);
+            let (a, b) = low.interleave(low);
+            let (c, d) = high.interleave(high);
+            [a, b, c, d]
+        },
+    )
+}
+
+/// Lanes of four numbers each, from four lanes after four.
+#[inline(always)]
+fn apart<S: Simd>([a, b, c, d]: [F<S>; 4]) -> [F<S>; 4] {
+    piece(
+        a.simd,
+        #[inline(always)]
+        || {
+            let (even, odd) = a.deinterleave(b);
+            let (later_even, later_odd) = c.deinterleave(d);
+            let (first, third) = even.deinterleave(later_even);
+            let (second, fourth) = odd.deinterleave(later_odd);
+            [first, second, third, fourth]
         },
     )
 }
@@ -448,27 +438,4 @@ fn power<S: Simd>(simd: S, x: F<S>, exponent: u32) -> F<S> {
         rest >>= 1;
     }
     result
-}
-
-/// Eight numbers.
-#[inline(always)]
-fn numbers<S: Simd>(simd: S, pair: &[i16]) -> f32x8<S> {
-    let (low, high) = i16x8::from_slice(simd, pair).widen();
-    low.combine(high).to_float()
-}
-
-/// Level and differences at a place in a cell, trilinearly: along z, then y, then x.
-#[inline(always)]
-fn interpolate<S: Simd>(simd: S, pairs: [&[i16]; 4], [x, y, z]: [f32; 3]) -> f32x4<S> {
-    piece(
-        simd,
-        #[inline(always)]
-        || {
-            let (a, b) = (numbers(simd, pairs[0]), numbers(simd, pairs[1]));
-            let near = a + (numbers(simd, pairs[2]) - a) * z;
-            let far = b + (numbers(simd, pairs[3]) - b) * z;
-            let (left, right) = (near + (far - near) * y).split();
-            left + (right - left) * x
-        },
-    )
 }

@@ -20,6 +20,7 @@
 
 mod caster;
 mod cells;
+mod corners;
 mod error;
 mod gradients;
 mod image;
@@ -31,6 +32,8 @@ mod packet;
 mod table;
 mod work;
 
+#[cfg(test)]
+mod exact;
 #[cfg(test)]
 mod tests;
 

@@ -51,8 +51,8 @@ impl Default for CastOptions {
 /// What a caster keeps of a volume. Pictures are the same.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Storage {
-    /// Value and gradient of each voxel that may be seen, in bricks: eight bytes each, and more where
-    /// bricks meet.
+    /// Value and gradient of each voxel that may be seen, in bricks and each beside the next along z: sixteen bytes, and
+    /// more where bricks meet (20¼ where all is seen). If that is more than 4 GiB, [`Values`](Self::Values) instead.
     #[default]
     Gradients,
     /// Values alone, two bytes for each voxel; gradients are computed at each sample.

@@ -33,8 +33,8 @@ pub enum GeneratedVolume {
 
 /// Size when none is named.
 const USUAL_SIZE: u32 = 256;
-/// Largest side that is generated.
-const LARGEST_SIZE: u32 = 1024;
+/// Largest side that is generated: four bytes for each voxel are at most what a volume may have, 2 GiB.
+const LARGEST_SIZE: u32 = 812;
 
 impl GeneratedVolume {
     /// All kinds.
@@ -63,7 +63,7 @@ impl GeneratedVolume {
     /// arguments.
     ///
     /// # Errors
-    /// If the size is not 2 to 1024.
+    /// If the size is not 2 to 812.
     pub fn build(self, size: u32, seed: u64) -> Result<Volume, ModelError> {
         if !(2..=LARGEST_SIZE).contains(&size) {
             let valid = format!("2 to {LARGEST_SIZE} voxels a side");
@@ -116,7 +116,7 @@ fn by_slice(size: u32, f: &(impl Fn([f64; 3]) -> f64 + Sync)) -> Vec<f32> {
 /// (`marschner-lobb:128`; without, 256).
 ///
 /// # Errors
-/// If there is no such kind, or the size is not 2 to 1024.
+/// If there is no such kind, or the size is not 2 to 812.
 pub fn volume_named(text: &str, seed: u64) -> Result<Volume, ModelError> {
     let (kind, size) = match text.split_once(':') {
         None => (text, USUAL_SIZE),
@@ -182,8 +182,10 @@ mod tests {
     fn names_and_sizes_are_checked() {
         let error = |text: &str| volume_named(text, 1).unwrap_err().to_string();
         assert!(error("jett").contains("did you mean `jet`?"));
-        assert!(error("jet:1").contains("2 to 1024"));
-        assert!(error("jet:100000").contains("2 to 1024"));
+        assert!(error("jet:1").contains("2 to 812"));
+        assert!(error("jet:100000").contains("2 to 812"));
         assert!(error("jet:x").contains("as in jet:256"));
+        let fits = |n: u32| super::super::values::check_dims([u64::from(n); 3], 4).is_ok();
+        assert!(fits(LARGEST_SIZE) && !fits(LARGEST_SIZE + 1));
     }
 }

@@ -60,7 +60,7 @@ impl Element {
     }
 
     /// Numbers written as text, of this type; `count` of them must be there.
-    pub(super) fn parse(self, text: &[u8], count: usize) -> Result<Voxels, Flaw> {
+    pub(super) fn parse(self, text: &[u8], count: usize) -> Result<(Voxels, bool), Flaw> {
         // A number and what parts it from the next take two characters or more.
         if text.len() / 2 + 1 < count {
             let problem = format_args!("{} characters cannot hold {count} numbers", text.len());
@@ -71,7 +71,8 @@ impl Element {
         macro_rules! read {
             ($t:ty) => {{
                 let mut all: Vec<$t> = Vec::with_capacity(count);
-                for word in text.split_ascii_whitespace().take(count) {
+                let mut words = text.split_ascii_whitespace();
+                for word in words.by_ref().take(count) {
                     let number = word.parse().map_err(|_| {
                         let word: String = word.chars().take(40).collect();
                         let place = format!("voxel {}", all.len());
@@ -83,18 +84,42 @@ impl Element {
                     let problem = format_args!("{} numbers: must be {count}", all.len());
                     return Err(Flaw::new("voxels", problem));
                 }
-                all
+                (all, words.next().is_some())
             }};
         }
         Ok(match self {
-            Self::U8 => Voxels::U8(read!(u8)),
-            Self::I8 => Voxels::I8(read!(i8)),
-            Self::U16 => Voxels::U16(read!(u16)),
-            Self::I16 => Voxels::I16(read!(i16)),
-            Self::U32 => Voxels::U32(read!(u32)),
-            Self::I32 => Voxels::I32(read!(i32)),
-            Self::F32 => Voxels::F32(read!(f32)),
-            Self::U64 | Self::I64 | Self::F64 => Voxels::F64(read!(f64)),
+            Self::U8 => {
+                let (all, more) = read!(u8);
+                (Voxels::U8(all), more)
+            }
+            Self::I8 => {
+                let (all, more) = read!(i8);
+                (Voxels::I8(all), more)
+            }
+            Self::U16 => {
+                let (all, more) = read!(u16);
+                (Voxels::U16(all), more)
+            }
+            Self::I16 => {
+                let (all, more) = read!(i16);
+                (Voxels::I16(all), more)
+            }
+            Self::U32 => {
+                let (all, more) = read!(u32);
+                (Voxels::U32(all), more)
+            }
+            Self::I32 => {
+                let (all, more) = read!(i32);
+                (Voxels::I32(all), more)
+            }
+            Self::F32 => {
+                let (all, more) = read!(f32);
+                (Voxels::F32(all), more)
+            }
+            Self::U64 | Self::I64 | Self::F64 => {
+                let (all, more) = read!(f64);
+                (Voxels::F64(all), more)
+            }
         })
     }
 }

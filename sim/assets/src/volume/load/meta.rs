@@ -7,7 +7,7 @@ use glam::DVec3;
 use super::fields::{after, numbers, shown};
 use super::inflate::{gunzip, is_gzip, unzlib};
 use super::{Draft, Element, affine, half_turn};
-use crate::load::{Flaw, SideFiles};
+use crate::load::{Flaw, SideFiles, Warnings};
 use crate::volume::{Frame, Volume};
 
 struct Fields {
@@ -41,7 +41,11 @@ impl Fields {
     }
 }
 
-pub(super) fn load(bytes: &[u8], files: &dyn SideFiles) -> Result<Volume, Flaw> {
+pub(super) fn load(
+    bytes: &[u8],
+    files: &dyn SideFiles,
+    warnings: &mut Warnings,
+) -> Result<Volume, Flaw> {
     let (fields, attached) = header(bytes)?;
     let draft = describe(&fields)?;
     let need = draft.bytes()?;
@@ -70,16 +74,19 @@ pub(super) fn load(bytes: &[u8], files: &dyn SideFiles) -> Result<Volume, Flaw> 
         } else {
             unzlib(data, need)?
         };
-        return draft.finish(&plain);
+        return draft.finish(&plain, warnings);
     }
     // Numbers are text if the file says that they are not binary.
     let text = fields.get(&["BinaryData"]).is_some() && !fields.is_true(&["BinaryData"]);
     if text {
         let count = need / draft.element.bytes();
-        let voxels = draft.element.parse(data, count)?;
+        let (voxels, more) = draft.element.parse(data, count)?;
+        if more {
+            draft.say_more("numbers", warnings);
+        }
         return draft.build(voxels);
     }
-    draft.finish(data)
+    draft.finish(data, warnings)
 }
 
 /// The header's lines up to `ElementDataFile`, and what follows.

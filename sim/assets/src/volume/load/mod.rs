@@ -75,8 +75,8 @@ impl Draft {
         Ok(count * each as usize)
     }
 
-    /// The volume of these numbers, which must be as many bytes as it takes.
-    fn finish(self, bytes: &[u8]) -> Result<Volume, Flaw> {
+    /// The volume of these numbers, which must be as many bytes as it takes; that there are more is said.
+    fn finish(self, bytes: &[u8], warnings: &mut Warnings) -> Result<Volume, Flaw> {
         let need = self.bytes()?;
         let [x, y, z] = self.dims;
         if bytes.len() < need {
@@ -89,8 +89,20 @@ impl Draft {
                 ),
             ));
         }
+        if bytes.len() > need {
+            let more = bytes.len() - need;
+            self.say_more(format_args!("{more} bytes or more"), warnings);
+        }
         let voxels = self.element.decode(&bytes[..need], self.big_endian);
         self.build(voxels)
+    }
+
+    /// Says that the header speaks of less than there is.
+    fn say_more(&self, more: impl fmt::Display, warnings: &mut Warnings) {
+        let ([x, y, z], element) = (self.dims, self.element);
+        warnings.add(format_args!(
+            "{more} follow the {x} x {y} x {z} voxels of {element} that the header speaks of: they are not read"
+        ));
     }
 
     fn build(self, voxels: super::Voxels) -> Result<Volume, Flaw> {
@@ -155,11 +167,11 @@ pub fn load_volume_bytes(
     }
     let volume = match format {
         VolumeFormat::Nifti => nifti::load(bytes, frame, &mut warnings),
-        VolumeFormat::Nrrd => nrrd::load(bytes, files),
-        VolumeFormat::MetaImage => meta::load(bytes, files),
-        VolumeFormat::Vti => vti::load(bytes),
-        VolumeFormat::VtkJs => vtk_js::load(bytes, files),
-        VolumeFormat::Raw => raw::load(bytes, name, files),
+        VolumeFormat::Nrrd => nrrd::load(bytes, files, &mut warnings),
+        VolumeFormat::MetaImage => meta::load(bytes, files, &mut warnings),
+        VolumeFormat::Vti => vti::load(bytes, &mut warnings),
+        VolumeFormat::VtkJs => vtk_js::load(bytes, files, &mut warnings),
+        VolumeFormat::Raw => raw::load(bytes, name, files, &mut warnings),
     };
     let volume = volume.map_err(|flaw| flaw.of(name))?;
     if volume.replaced() > 0 {

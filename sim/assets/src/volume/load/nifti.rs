@@ -2,7 +2,7 @@
 
 use glam::{DAffine3, DQuat, DVec3};
 
-use super::inflate::{gunzip, is_gzip, plain};
+use super::inflate::{beginning, plain};
 use super::{Draft, Element, affine};
 use crate::load::{Flaw, Warnings};
 use crate::volume::{Frame, Volume};
@@ -12,7 +12,7 @@ const HEADER: usize = 348;
 
 /// Whether a file begins with such a header, gzipped or not, of either byte order.
 pub(super) fn is_header(start: &[u8]) -> bool {
-    let head = match plain(start, HEADER) {
+    let head = match beginning(start, HEADER) {
         Ok(head) => head,
         Err(_) => return false,
     };
@@ -56,7 +56,7 @@ impl Header<'_> {
 }
 
 pub(super) fn load(bytes: &[u8], frame: usize, warnings: &mut Warnings) -> Result<Volume, Flaw> {
-    let head = plain(bytes, HEADER)?;
+    let head = beginning(bytes, HEADER)?;
     if head.len() < HEADER {
         let problem = format_args!("{} bytes: a header is {HEADER}", head.len());
         return Err(Flaw::new("header", problem));
@@ -106,11 +106,12 @@ pub(super) fn load(bytes: &[u8], frame: usize, warnings: &mut Warnings) -> Resul
                 format_args!("{frame}: too far in the file"),
             )
         })?;
-    if is_gzip(bytes) {
-        let all = gunzip(bytes, skip + each)?;
-        return draft.finish(all.get(skip..).unwrap_or(&[]));
-    }
-    draft.finish(bytes.get(skip..).unwrap_or(&[]))
+    let all = plain(bytes, skip + each)?;
+    let own = all.get(skip..).unwrap_or(&[]);
+    // Volumes in time that come later are known of.
+    let later = (frames - 1 - frame).saturating_mul(each);
+    let more = own.len().saturating_sub(each.saturating_add(later));
+    draft.finish(&own[..own.len().min(each.saturating_add(more))], warnings)
 }
 
 fn i32_at(head: &[u8], big_endian: bool) -> i32 {
@@ -160,6 +161,16 @@ fn describe(header: &Header<'_>) -> Result<(Draft, usize), Flaw> {
             return Err(Flaw::new("byte 70", problem));
         }
     };
+    // Some writers leave it at 0.
+    let bits = header.i16(72);
+    if bits != 0 && i64::from(bits) != 8 * element.bytes() as i64 {
+        let problem = format_args!(
+            "bitpix = {bits}: must be {}, of {element} (datatype {})",
+            8 * element.bytes(),
+            header.i16(70)
+        );
+        return Err(Flaw::new("byte 72", problem));
+    }
     let (slope, intercept) = (header.f32(112), header.f32(116));
     // Not scaled.
     let (slope, intercept) = if slope == 0.0 || !slope.is_finite() {
@@ -265,6 +276,28 @@ mod tests {
     fn read(bytes: &[u8]) -> Result<Volume, String> {
         let loaded = load_volume_bytes(bytes, "a.nii", 0, &NoSideFiles);
         loaded.map(|l| l.volume).map_err(|e| e.to_string())
+    }
+
+    #[test]
+    fn bits_must_be_those_of_the_type() {
+        assert!(read(&file(false, |put| put(72, 16.0, 2))).is_ok());
+        let text = read(&file(false, |put| put(72, 8.0, 2))).unwrap_err();
+        assert!(
+            text.contains("bitpix = 8: must be 16") && text.contains("datatype 4"),
+            "{text}"
+        );
+        // A later volume in time is spoken of; what is behind the last is not.
+        let warnings = |bytes: &[u8]| {
+            let loaded = load_volume_bytes(bytes, "a.nii", 0, &NoSideFiles);
+            loaded.unwrap().warnings
+        };
+        let two = file(false, |put| {
+            put(40, 4.0, 2);
+            put(48, 2.0, 2);
+        });
+        let two = [&two[..], &[0; 48]].concat();
+        assert_eq!(warnings(&two).len(), 1);
+        assert_eq!(warnings(&[&two[..], b"more"].concat()).len(), 2);
     }
 
     #[test]

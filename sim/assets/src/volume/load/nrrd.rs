@@ -7,7 +7,7 @@ use glam::{DAffine3, DVec3};
 use super::fields::{after, numbers, shown};
 use super::inflate::gunzip;
 use super::{Draft, Element, affine};
-use crate::load::{Flaw, SideFiles};
+use crate::load::{Flaw, SideFiles, Warnings};
 use crate::volume::{Frame, Volume};
 
 /// A header's lines.
@@ -29,7 +29,11 @@ impl Fields {
     }
 }
 
-pub(super) fn load(bytes: &[u8], files: &dyn SideFiles) -> Result<Volume, Flaw> {
+pub(super) fn load(
+    bytes: &[u8],
+    files: &dyn SideFiles,
+    warnings: &mut Warnings,
+) -> Result<Volume, Flaw> {
     let (fields, attached) = header(bytes)?;
     let draft = describe(&fields)?;
     let need = draft.bytes()?;
@@ -60,18 +64,23 @@ pub(super) fn load(bytes: &[u8], files: &dyn SideFiles) -> Result<Volume, Flaw> 
     let (encoding, place) = fields.required("encoding")?;
     match encoding.to_ascii_lowercase().as_str() {
         // −1: the numbers are the end of the file.
-        "raw" if skipped < 0 => draft.finish(after(data, data.len().saturating_sub(need))),
-        "raw" => draft.finish(after(data, skipped as usize)),
+        "raw" if skipped < 0 => {
+            draft.finish(after(data, data.len().saturating_sub(need)), warnings)
+        }
+        "raw" => draft.finish(after(data, skipped as usize), warnings),
         "gzip" | "gz" => {
             let skipped = usize::try_from(skipped).unwrap_or(0);
             let most = need.saturating_add(skipped.min(1 << 31));
-            draft.finish(after(&gunzip(data, most)?, skipped))
+            draft.finish(after(&gunzip(data, most)?, skipped), warnings)
         }
         "ascii" | "text" | "txt" => {
             let count = need / draft.element.bytes();
-            let voxels = draft
+            let (voxels, more) = draft
                 .element
                 .parse(after(data, skipped.max(0) as usize), count)?;
+            if more {
+                draft.say_more("numbers", warnings);
+            }
             draft.build(voxels)
         }
         other => {

@@ -7,7 +7,7 @@ use serde::Deserialize;
 use super::fields::after;
 use super::inflate::plain;
 use super::{Draft, Element, affine};
-use crate::load::{Flaw, SideFiles};
+use crate::load::{Flaw, SideFiles, Warnings};
 use crate::volume::{Frame, Volume};
 
 /// The file.
@@ -64,7 +64,12 @@ fn axes() -> [[f64; 3]; 3] {
     [[1.0, 0.0, 0.0], [0.0, 1.0, 0.0], [0.0, 0.0, 1.0]]
 }
 
-pub(super) fn load(bytes: &[u8], name: &str, files: &dyn SideFiles) -> Result<Volume, Flaw> {
+pub(super) fn load(
+    bytes: &[u8],
+    name: &str,
+    files: &dyn SideFiles,
+    warnings: &mut Warnings,
+) -> Result<Volume, Flaw> {
     let text = std::str::from_utf8(bytes).map_err(|e| Flaw::new("whole file", e))?;
     let spec: RawSpec = toml::from_str(text).map_err(|e| {
         // The file is named by whoever reads this.
@@ -102,7 +107,7 @@ pub(super) fn load(bytes: &[u8], name: &str, files: &dyn SideFiles) -> Result<Vo
         .map_err(|e| Flaw::new("data", format_args!("{:?}: {e}", spec.data)))?;
     let data = plain(&data, need).map_err(|f| f.within(&spec.data))?;
     draft
-        .finish(after(&data, skip))
+        .finish(after(&data, skip), warnings)
         .map_err(|f| f.within(&spec.data))
 }
 

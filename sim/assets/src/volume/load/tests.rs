@@ -140,6 +140,116 @@ fn what_is_wrong_in_vtk_files_is_named() {
 }
 
 #[test]
+fn counts_and_extents_of_vtk_must_be_those_of_the_array() {
+    let error = |bytes: &[u8]| read(bytes).unwrap_err();
+    let binary = |count: u32| {
+        let counted = [&count.to_le_bytes()[..], &little()].concat();
+        let text = STANDARD.encode(&counted);
+        file("", "format=\"binary\"", text.as_bytes(), b"")
+    };
+    assert!(read(&binary(48)).is_ok());
+    for count in [0, 46, 50, u32::MAX] {
+        let text = error(&binary(count));
+        assert!(
+            text.contains(&format!("states {count} bytes, but its voxels take 48")),
+            "{text}"
+        );
+    }
+    let packed = |change: &dyn Fn(&mut Vec<u8>)| {
+        let (mut head, data) = blocks();
+        change(&mut head);
+        let coded = STANDARD.encode(&head) + &STANDARD.encode(&data);
+        let attributes = "compressor=\"vtkZLibDataCompressor\"";
+        file(attributes, "format=\"binary\"", coded.as_bytes(), b"")
+    };
+    // The last block is half as long as that.
+    let text = error(&packed(&|head| head[8] = 32));
+    assert!(text.contains("states 64 bytes"), "{text}");
+    // Blocks of 24 are as many bytes in all, but not what is in these.
+    let text = error(&packed(&|head| (head[4], head[8]) = (24, 24)));
+    assert!(
+        text.contains("block 0") && text.contains("24 are stated"),
+        "{text}"
+    );
+    let piece = |extent: &str| {
+        let text = String::from_utf8(binary(48)).unwrap();
+        let own = format!("<Piece Extent=\"{extent}\">");
+        read(
+            text.replace("<Piece Extent=\"1 2 0 2 0 3\">", &own)
+                .as_bytes(),
+        )
+    };
+    assert!(piece("1  2 0 2 0 3").is_ok());
+    let text = piece("1 2 0 2 0 2").unwrap_err();
+    assert!(text.contains("must be the WholeExtent"), "{text}");
+}
+
+/// What a header does not speak of is said, not drawn as if it were not there.
+#[test]
+fn more_than_the_header_speaks_of_is_said() {
+    let warnings = |name: &str, bytes: &[u8]| {
+        let loaded = load_volume_bytes(bytes, name, 0, &NoSideFiles);
+        loaded.map(|l| l.warnings).map_err(|e| e.to_string())
+    };
+    let nrrd = |encoding: &str, data: &[u8]| {
+        let head = format!(
+            "NRRD0004\ntype: int16\ndimension: 3\nsizes: 2 3 4\nendian: little\nencoding: {encoding}\n\n"
+        );
+        warnings("a.nrrd", &[head.as_bytes(), data].concat())
+    };
+    let gzip = |bytes: &[u8]| {
+        let mut gz = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+        gz.write_all(bytes).unwrap();
+        gz.finish().unwrap()
+    };
+    let (exact, more) = (little(), [&little()[..], b"more"].concat());
+    let text = b"1 2 3 4 5 6 7 8 9 10 11 12 13 14 15 16 17 18 19 20 21 22 23 24";
+    assert!(nrrd("raw", &exact).unwrap().is_empty());
+    assert!(nrrd("gzip", &gzip(&exact)).unwrap().is_empty());
+    assert!(nrrd("ascii", text).unwrap().is_empty());
+    for said in [
+        nrrd("raw", &more),
+        nrrd("gzip", &gzip(&more)),
+        nrrd("ascii", &[&text[..], b" 25"].concat()),
+    ] {
+        let said = said.unwrap();
+        assert!(
+            said.len() == 1 && said[0].contains("follow the 2 x 3 x 4 voxels"),
+            "{said:?}"
+        );
+    }
+}
+
+/// A checksum that does not hold is an error, wherever the damage is.
+#[test]
+fn damaged_compression_is_refused() {
+    let head = "ObjectType = Image\nNDims = 3\nDimSize = 2 3 4\nElementType = MET_SHORT\nBinaryData = True\n\
+                CompressedData = True\nElementDataFile = LOCAL\n";
+    let load = |packed: &[u8]| {
+        let bytes = [head.as_bytes(), packed].concat();
+        load_volume_bytes(&bytes, "a.mha", 0, &NoSideFiles).map(|l| l.volume)
+    };
+    let mut gz = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
+    gz.write_all(&little()).unwrap();
+    for packed in [zlib(&little()), gz.finish().unwrap()] {
+        let whole = load(&packed).unwrap();
+        assert_eq!(whole.range(), [-12.0, 11.0]);
+        for cut in 1..packed.len() {
+            assert!(
+                load(&packed[..packed.len() - cut]).is_err(),
+                "{cut} bytes cut"
+            );
+        }
+        // What a gzip header says beside the numbers is in no checksum.
+        for place in 10..packed.len() {
+            let mut flipped = packed.clone();
+            flipped[place] ^= 1;
+            assert!(load(&flipped).map_or(true, |v| v == whole), "byte {place}");
+        }
+    }
+}
+
+#[test]
 fn names_of_no_format_are_refused() {
     let error = |bytes: &[u8], name| {
         let loaded = load_volume_bytes(bytes, name, 0, &NoSideFiles);

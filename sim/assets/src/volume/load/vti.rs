@@ -9,7 +9,7 @@ use super::fields::{after, numbers, shown};
 use super::inflate::unzlib;
 use super::xml::{Tag, tags};
 use super::{Draft, Element, affine};
-use crate::load::Flaw;
+use crate::load::{Flaw, Warnings};
 use crate::volume::{Frame, Volume};
 
 const BASE64: GeneralPurpose = GeneralPurpose::new(
@@ -25,7 +25,7 @@ struct Coding {
     compressed: bool,
 }
 
-pub(super) fn load(bytes: &[u8]) -> Result<Volume, Flaw> {
+pub(super) fn load(bytes: &[u8], warnings: &mut Warnings) -> Result<Volume, Flaw> {
     let tags = tags(bytes)?;
     let find = |name: &str| tags.iter().find(|t| t.name == name);
     let need = |name: &str| {
@@ -42,16 +42,29 @@ pub(super) fn load(bytes: &[u8]) -> Result<Volume, Flaw> {
     if tags.iter().filter(|t| t.name == "Piece").count() > 1 {
         return Err(Flaw::new("<Piece>", "there are several: only one is read"));
     }
+    if let Some(piece) = find("Piece")
+        && let Some(own) = piece.get("Extent")
+    {
+        let extent = |tag: &Tag<'_>, name, text| numbers::<i64, 6>(&tag.place(name), text);
+        let whole = extent(image, "WholeExtent", image.required("WholeExtent")?)?;
+        if extent(piece, "Extent", own)? != whole {
+            let problem = format_args!("{}: must be the WholeExtent", shown(own));
+            return Err(Flaw::new(piece.place("Extent"), problem));
+        }
+    }
     let array = scalars(&tags)?;
     let draft = describe(image, array, coding.big_endian)?;
     let size = draft.bytes()?;
     match array.required("format")? {
         "ascii" => {
             let count = size / draft.element.bytes();
-            let voxels = draft.element.parse(array.text, count)?;
+            let (voxels, more) = draft.element.parse(array.text, count)?;
+            if more {
+                draft.say_more("numbers", warnings);
+            }
             draft.build(voxels)
         }
-        "binary" => draft.finish(&coded(array.text, &coding, true, size)?),
+        "binary" => draft.finish(&coded(array.text, &coding, true, size)?, warnings),
         "appended" => {
             let appended = need("AppendedData")?;
             let place = array.place("offset");
@@ -59,7 +72,8 @@ pub(super) fn load(bytes: &[u8]) -> Result<Volume, Flaw> {
             let base64 = appended.required("encoding")? == "base64";
             let start = appended.text.iter().position(|b| *b == b'_');
             let text = start.map_or(&[][..], |s| &appended.text[s + 1..]);
-            draft.finish(&coded(after(text, offset), &coding, base64, size)?)
+            let data = coded(after(text, offset), &coding, base64, size)?;
+            draft.finish(&data, warnings)
         }
         other => {
             let problem = format_args!("{}: must be ascii, binary or appended", shown(other));
@@ -216,7 +230,7 @@ fn coded(text: &[u8], coding: &Coding, base64: bool, size: usize) -> Result<Vec<
     if !coding.compressed {
         // Count and bytes are one piece of base64.
         let all = source.take(width.saturating_add(size))?;
-        let _ = coding.count(&all, 0)?;
+        states(coding.count(&all, 0)?, size)?;
         return Ok(after(&all, width).to_vec());
     }
     let head = source.peek(3 * width)?;
@@ -228,6 +242,9 @@ fn coded(text: &[u8], coding: &Coding, base64: bool, size: usize) -> Result<Vec<
             format_args!("{blocks} blocks of {length} bytes: more than there is room for");
         return Err(Flaw::new("compressed data", problem));
     }
+    // A last block that is whole is written as 0.
+    let whole = blocks - u64::from(last > 0 && blocks > 0);
+    states(whole.saturating_mul(length).saturating_add(last), size)?;
     let blocks = blocks as usize;
     let head = source.take((3 + blocks) * width)?;
     let mut sizes = Vec::with_capacity(blocks);
@@ -239,11 +256,15 @@ fn coded(text: &[u8], coding: &Coding, base64: bool, size: usize) -> Result<Vec<
     let (mut out, mut at) = (Vec::new(), 0);
     for (k, packed) in sizes.into_iter().enumerate() {
         let end = at + packed as usize;
-        // A last block that is whole is written as 0.
         let partial = k + 1 == blocks && last > 0;
         let most = (if partial { last } else { length }).min((size - out.len()) as u64);
         let block = data.get(at..end).unwrap_or(&[]);
-        let block = unzlib(block, most as usize).map_err(|f| f.within(&format!("block {k}")))?;
+        let within = |f: Flaw| f.within(&format!("block {k}"));
+        let block = unzlib(block, most as usize).map_err(within)?;
+        if block.len() as u64 != most {
+            let problem = format_args!("{} bytes or more: {most} are stated", block.len());
+            return Err(within(Flaw::new("compressed data", problem)));
+        }
         out.extend_from_slice(&block);
         at = end;
         if out.len() >= size {
@@ -251,6 +272,15 @@ fn coded(text: &[u8], coding: &Coding, base64: bool, size: usize) -> Result<Vec<
         }
     }
     Ok(out)
+}
+
+/// Refuses another count of bytes than the array takes.
+fn states(count: u64, size: usize) -> Result<(), Flaw> {
+    if count == size as u64 {
+        return Ok(());
+    }
+    let problem = format_args!("states {count} bytes, but its voxels take {size}");
+    Err(Flaw::new("binary data", problem))
 }
 
 /// Bytes as they lie, or in base64.

@@ -6,7 +6,7 @@ use serde::Deserialize;
 use super::Element;
 use super::inflate::plain;
 use super::vti::placed;
-use crate::load::{Flaw, SideFiles};
+use crate::load::{Flaw, SideFiles, Warnings};
 use crate::volume::Volume;
 
 // Fields that say nothing about a volume are passed over: the format has no closed list.
@@ -58,7 +58,11 @@ fn one() -> u32 {
     1
 }
 
-pub(super) fn load(bytes: &[u8], files: &dyn SideFiles) -> Result<Volume, Flaw> {
+pub(super) fn load(
+    bytes: &[u8],
+    files: &dyn SideFiles,
+    warnings: &mut Warnings,
+) -> Result<Volume, Flaw> {
     let index: Index = serde_json::from_slice(bytes)
         .map_err(|e| Flaw::new(format_args!("line {}", e.line()), e))?;
     let Some(ArrayEntry { data: array }) = index.point_data.arrays.first() else {
@@ -109,5 +113,5 @@ pub(super) fn load(bytes: &[u8], files: &dyn SideFiles) -> Result<Volume, Flaw> 
         },
     };
     let data = plain(&data, need).map_err(|f| f.within(&name))?;
-    draft.finish(&data).map_err(|f| f.within(&name))
+    draft.finish(&data, warnings).map_err(|f| f.within(&name))
 }

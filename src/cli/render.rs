@@ -4,7 +4,7 @@ mod volume;
 use foveasim_models::foveation::{Method, Request};
 use foveasim_models::math::tan_deg;
 use foveasim_models::{Display, EyePanel, Geometry, Image, Viewport};
-use foveasim_render::Frame;
+use foveasim_render::{Frame, LARGEST_SIDE};
 use foveasim_reports::{ERROR_FULL_SCALE, error_map, png};
 use foveasim_study::FrameStudy;
 
@@ -182,7 +182,15 @@ fn request(args: &Args, panel: &EyePanel, display: &Display) -> Result<Request, 
 /// The image plane of a panel of the display, with another size or field of view where asked for.
 fn viewport(args: &Args, panel: &EyePanel, display: &Display) -> Result<Viewport, Failure> {
     let own = panel.viewport;
-    let size = args.size.map_or(own.size, Into::into);
+    let size: glam::UVec2 = args.size.map_or(own.size, Into::into);
+    // Said before anything as large is made.
+    if size.max_element() > LARGEST_SIDE {
+        let valid = format!("1 to {LARGEST_SIDE} pixels a side");
+        return Err(Failure::bad_input(format!(
+            "--size {}x{}: must be {valid}",
+            size.x, size.y
+        )));
+    }
     if let Some(fov) = args.fov {
         if !(fov > 0.0 && fov < 180.0) {
             let valid = "above 0 and below 180 degrees";

@@ -131,6 +131,18 @@ fn names_and_numbers() {
     refused(&s, &["latency", "--sync", "vsnc"], &["vsync"]);
     refused(&s, &["render", "--size", "0x0", "--out", "x"], &["0x0"]);
     refused(&s, &["render", "--size=-5x7", "--out", "x"], &["-5x7"]);
+    for scene in ["study", "volume:shells:8"] {
+        let words = [
+            "render",
+            "--scene",
+            scene,
+            "--size",
+            "20000x20000",
+            "--out",
+            "x",
+        ];
+        refused(&s, &words, &["--size 20000x20000", "1 to 16384"]);
+    }
     refused(&s, &["render", "--gaze", "nan,3", "--out", "x"], &["nan,3"]);
     refused(&s, &["render", "--scene", "stdy", "--out", "x"], &["study"]);
     refused(

@@ -11,7 +11,7 @@ use crate::moving::Warp;
 use crate::{RenderError, RenderOptions, live, mosaic};
 
 /// Most samples along one side of a pass.
-const LARGEST_SIDE: u32 = 16_384;
+pub const LARGEST_SIDE: u32 = 16_384;
 /// Most samples and pixels of a frame, all passes and the image together (12 bytes each).
 const MOST_SAMPLES: u64 = 1 << 26;
 /// Greatest tangent of the image's edges: 89.94° off the axis.

@@ -85,6 +85,7 @@ mod trace;
 mod visible;
 mod warp;
 
+pub use check::LARGEST_SIDE;
 pub use chromatic::separate_colours;
 pub use error::RenderError;
 pub use frame::{Frame, assemble, render, render_into};

@@ -1,6 +1,6 @@
 use foveasim_mask::{Interpolation, Mask, StepLaw, TemporalMean};
-use foveasim_models::math::{atan_deg, mean, pow};
-use foveasim_models::{Image, Role, Stream};
+use foveasim_models::math::{atan_deg, mean, pow, sqrt};
+use foveasim_models::{Image, Role, Stream, Viewport};
 use foveasim_quality::{PEAK, RingQuality, Rings, compare, psnr_db};
 use foveasim_reports::Table;
 use foveasim_volume::Caster;
@@ -38,6 +38,9 @@ pub struct BruderRing {
     pub bias: f64,
     /// The bias farthest from 0 of any camera \[grey levels of 255\].
     pub worst_bias: f64,
+    /// Light of the ring over that of the full image, of all cameras: 1 if none is lost or gained. Luma, of which the bias
+    /// is, grows with the root of light: where fine detail is averaged, its mean rises although light stays.
+    pub light: f64,
 }
 
 /// A way to draw.
@@ -87,7 +90,7 @@ impl BruderErrors {
         let nothing = || Image::filled(UVec2::ONE, [0.0; 3]);
         let mut pictures = [nothing(), nothing()];
         // By way and camera.
-        let mut found: Vec<Vec<Vec<RingQuality>>> = vec![Vec::new(); ways(asked).len()];
+        let mut found: Vec<Vec<OfCamera>> = vec![Vec::new(); ways(asked).len()];
         for (number, camera) in cameras.iter().enumerate() {
             let full = caster.full(&camera.view)?.image;
             let optics = &camera.view.optics;
@@ -100,7 +103,10 @@ impl BruderErrors {
                     None => &masks.gaussian,
                 };
                 let image = draw(caster, camera, mask, way, asked.seed)?;
-                rows.push(compare(&image, &full)?.rings(optics, middle, &rings)?);
+                rows.push(OfCamera {
+                    rings: compare(&image, &full)?.rings(optics, middle, &rings)?,
+                    light: [light(&image, optics), light(&full, optics)],
+                });
                 if number == 0 && way.name == "natural" {
                     pictures[1] = image;
                 }
@@ -123,7 +129,7 @@ impl BruderErrors {
         self.rings.iter().filter(|r| r.way == way).nth(ring)
     }
 
-    pub(super) fn columns() -> [&'static str; 8] {
+    pub(super) fn columns() -> [&'static str; 9] {
         [
             "volume",
             "way",
@@ -133,6 +139,7 @@ impl BruderErrors {
             "ssim",
             "bias_grey_levels",
             "worst_bias_grey_levels",
+            "light_over_full",
         ]
     }
 
@@ -147,6 +154,7 @@ impl BruderErrors {
                 ring.ssim.into(),
                 ring.bias.into(),
                 ring.worst_bias.into(),
+                ring.light.into(),
             ]);
         }
     }
@@ -180,9 +188,9 @@ fn draw(
 }
 
 /// Rings of several cameras as one: all have the same pixels in it.
-fn over_cameras(way: &Way, rows: &[Vec<RingQuality>], ring: usize) -> BruderRing {
+fn over_cameras(way: &Way, rows: &[OfCamera], ring: usize) -> BruderRing {
     let of = |f: fn(&RingQuality) -> Option<f64>| {
-        let values: Vec<f64> = rows.iter().filter_map(|r| f(&r[ring])).collect();
+        let values: Vec<f64> = rows.iter().filter_map(|r| f(&r.rings[ring])).collect();
         values
     };
     let squares: Vec<f64> = of(|r| r.psnr_db)
@@ -201,5 +209,62 @@ fn over_cameras(way: &Way, rows: &[Vec<RingQuality>], ring: usize) -> BruderRing
         ssim: mean(&of(|r| r.ssim)),
         bias: mean(&biases),
         worst_bias: worst.unwrap_or(f64::NAN),
+        light: {
+            let of = |k: usize| rows.iter().map(|r| r.light[k][ring]).sum::<f64>();
+            of(0) / of(1)
+        },
+    }
+}
+
+/// Luminance of all pixels of each ring, in linear light.
+fn light(image: &Image, optics: &Viewport) -> [f64; EDGES.len()] {
+    let mut found = [0.0; EDGES.len()];
+    for (k, rgb) in image.rgb.iter().enumerate() {
+        let px = DVec2::new(
+            (k as u32 % image.size.x) as f64 + 0.5,
+            (k as u32 / image.size.x) as f64 + 0.5,
+        );
+        let direction = optics.direction(px);
+        let away = sqrt(direction.x * direction.x + direction.y * direction.y);
+        let ring = EDGES.partition_point(|part| part * optics.tan[1] <= away);
+        let [r, g, b] = rgb.map(f64::from);
+        found[ring.saturating_sub(1)] += 0.2126 * r + 0.7152 * g + 0.0722 * b;
+    }
+    found
+}
+
+/// A way's image from one camera against the full one.
+#[derive(Debug, Clone)]
+struct OfCamera {
+    rings: Vec<RingQuality>,
+    /// Light of each ring, of the image and of the full one.
+    light: [[f64; EDGES.len()]; 2],
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn light_is_summed_by_ring() {
+        let size = UVec2::new(100, 80);
+        let optics = Viewport::symmetric(size, 0.5).unwrap();
+        let mut image = Image::filled(size, [1.0; 3]);
+        let all = light(&image, &optics);
+        assert!((all.iter().sum::<f64>() - 8000.0).abs() < 1e-6);
+        // Discs of 5, 15 and 30 pixels about the middle.
+        for (k, pixels) in [78.5, 628.3, 2120.6].into_iter().enumerate() {
+            assert!((all[k] / pixels - 1.0).abs() < 0.05, "{all:?}");
+        }
+        // The pixel at the middle twice as bright, one in the corner dark.
+        image.rgb[40 * 100 + 50] = [2.0; 3];
+        image.rgb[0] = [0.0; 3];
+        let changed = light(&image, &optics);
+        let differences: Vec<f64> = changed
+            .iter()
+            .zip(&all)
+            .map(|(a, b)| (a - b).round())
+            .collect();
+        assert_eq!(differences, [1.0, 0.0, 0.0, -1.0]);
     }
 }

@@ -59,7 +59,7 @@ impl Element {
         }
     }
 
-    /// Numbers written as text, of this type; `count` of them must be there.
+    /// Numbers written as text, of this type; `count` of them must be there. And whether more follow.
     pub(super) fn parse(self, text: &[u8], count: usize) -> Result<(Voxels, bool), Flaw> {
         // A number and what parts it from the next take two characters or more.
         if text.len() / 2 + 1 < count {
@@ -69,7 +69,7 @@ impl Element {
         let text = std::str::from_utf8(text)
             .map_err(|e| Flaw::new("voxels", format_args!("not text: {e}")))?;
         macro_rules! read {
-            ($t:ty) => {{
+            ($t:ty, $voxels:ident) => {{
                 let mut all: Vec<$t> = Vec::with_capacity(count);
                 let mut words = text.split_ascii_whitespace();
                 for word in words.by_ref().take(count) {
@@ -84,42 +84,18 @@ impl Element {
                     let problem = format_args!("{} numbers: must be {count}", all.len());
                     return Err(Flaw::new("voxels", problem));
                 }
-                (all, words.next().is_some())
+                (Voxels::$voxels(all), words.next().is_some())
             }};
         }
         Ok(match self {
-            Self::U8 => {
-                let (all, more) = read!(u8);
-                (Voxels::U8(all), more)
-            }
-            Self::I8 => {
-                let (all, more) = read!(i8);
-                (Voxels::I8(all), more)
-            }
-            Self::U16 => {
-                let (all, more) = read!(u16);
-                (Voxels::U16(all), more)
-            }
-            Self::I16 => {
-                let (all, more) = read!(i16);
-                (Voxels::I16(all), more)
-            }
-            Self::U32 => {
-                let (all, more) = read!(u32);
-                (Voxels::U32(all), more)
-            }
-            Self::I32 => {
-                let (all, more) = read!(i32);
-                (Voxels::I32(all), more)
-            }
-            Self::F32 => {
-                let (all, more) = read!(f32);
-                (Voxels::F32(all), more)
-            }
-            Self::U64 | Self::I64 | Self::F64 => {
-                let (all, more) = read!(f64);
-                (Voxels::F64(all), more)
-            }
+            Self::U8 => read!(u8, U8),
+            Self::I8 => read!(i8, I8),
+            Self::U16 => read!(u16, U16),
+            Self::I16 => read!(i16, I16),
+            Self::U32 => read!(u32, U32),
+            Self::I32 => read!(i32, I32),
+            Self::F32 => read!(f32, F32),
+            Self::U64 | Self::I64 | Self::F64 => read!(f64, F64),
         })
     }
 }

@@ -337,22 +337,16 @@ fn what_may_rise_without_a_part_is_told() {
     assert!(said(&["--warp-ms", "1", "--off", "lead"]));
     assert!(!said(&["--off", "render,response"]));
     // Whoever reads the numbers by a program must know, too.
-    assert!(said(&[
-        "--warp-ms",
-        "1",
-        "--off",
-        "lead",
-        "--format",
-        "csv"
-    ]));
-    assert!(said(&[
-        "--warp-ms",
-        "1",
-        "--off",
-        "lead",
-        "--format",
-        "json"
-    ]));
+    for format in ["csv", "json"] {
+        assert!(said(&[
+            "--warp-ms",
+            "1",
+            "--off",
+            "lead",
+            "--format",
+            format
+        ]));
+    }
 }
 
 #[test]

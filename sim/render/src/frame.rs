@@ -35,7 +35,7 @@ pub fn render(
     render_into(scene, view, plan, options, &mut FrameMemory::default())
 }
 
-/// As [`render`], in the memory of earlier frames: it is the same frame, and up to a third faster drawn. Who
+/// As [`render`], in the memory of earlier frames: it is the same frame, sooner drawn. Who
 /// [gives](FrameMemory::give) the image back when it was shown needs no more for it than the first time.
 ///
 /// # Errors

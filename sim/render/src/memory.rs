@@ -4,8 +4,8 @@ use foveasim_models::Image;
 
 /// Memory that frames leave for those drawn after them.
 ///
-/// A frame writes a hundred bytes a pixel and more: of passes, of what reconstruction reads, of the image. Memory that
-/// comes fresh from the system is cleared by it page by page as it is written, which takes up to a third of a frame.
+/// A magnified frame writes fifty bytes a pixel: of passes, of what reconstruction reads, of the image. Memory that
+/// comes fresh from the system is cleared by it page by page as it is written, which takes time.
 /// What a frame was drawn in changes nothing of it.
 ///
 /// ```

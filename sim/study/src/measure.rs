@@ -115,8 +115,7 @@ impl<'a> Job<'a> {
 /// slower, for longer than all of one measurement.
 ///
 /// Of all draws the lower quartile counts, of jobs as of the pace: what disturbs only ever adds, and seldom all the time.
-/// Five rounds then repeat themselves to within 1.8 %, where medians, each beside the pace just before and after it, do to
-/// within 2.3 % (standard deviations, eight jobs, sixty rounds on a shared machine).
+/// [`Measured::noise`] says how far rounds then repeat themselves.
 ///
 /// Frames are drawn on rayon's current pool. Processor time is best taken on a pool of one thread: nothing then waits
 /// for another.

@@ -291,8 +291,8 @@ impl SetUpTriangle {
     }
 }
 
-/// First and last sample of those `drawn` (the first, and one past the last) of which a position up to `reach` sub-samples from the centre
-/// lies within the bounds of a triangle, along x and y; `None` if there is none.
+/// First and last sample of those `drawn` (the first, and one past the last) of which a position up to `reach`
+/// sub-samples from the centre lies within the bounds of a triangle, along x and y; `None` if there is none.
 fn bounds(corners: &[[i32; 2]; 3], drawn: [UVec2; 2], reach: i32) -> Option<[[u16; 2]; 2]> {
     let mut bounds = [[0; 2]; 2];
     for axis in 0..2 {

@@ -216,7 +216,7 @@ fn over_cameras(way: &Way, rows: &[OfCamera], ring: usize) -> BruderRing {
     }
 }
 
-/// Luminance of all pixels of each ring, in linear light.
+/// Luminance (Rec. 709) of all pixels of each ring, in linear light.
 fn light(image: &Image, optics: &Viewport) -> [f64; EDGES.len()] {
     let mut found = [0.0; EDGES.len()];
     for (k, rgb) in image.rgb.iter().enumerate() {
